@@ -46,6 +46,9 @@ struct HeadlessDef {
   std::string deviceUuid = {};
   /// The device counts as one of at most this tier; see RuntimeDef::maxTier.
   Tier maxTier = Tier::kWide;
+  /// Vulkan: queues that the devices of HeadlessDevice::another() take in turn, so that a GPU can
+  /// run work of several at the same time; no more than its queue family has. 0 counts as 1.
+  uint32_t queues = 1;
 };
 
 struct DeviceInfo {
@@ -121,7 +124,7 @@ struct RenderedImage {
 /// another device for another Scene.
 ///
 /// Threads: one thread at a time, and for OpenGL the thread that made it. Two devices may be made
-/// and used on two threads.
+/// and used on two threads, also where one is HeadlessDevice::another() of the other.
 class PELAGE_API HeadlessDevice {
  public:
   virtual ~HeadlessDevice() = default;
@@ -129,6 +132,13 @@ class PELAGE_API HeadlessDevice {
   HeadlessDevice& operator=(const HeadlessDevice&) = delete;
 
   virtual const DeviceInfo& info() const = 0;
+  /// Vulkan: makes a device for another Scene, which shares instance, VkDevice, queues and the
+  /// pipelines' cache with this one; either may be destroyed first. Threads: any. Errors:
+  /// kUnsupported for OpenGL, where createHeadlessGl() makes another one; those of the device.
+  virtual Result<std::unique_ptr<HeadlessDevice>> another() const;
+  /// Vulkan: time in which the GPU had work of at least one device that shares it, from submission
+  /// to the end of the wait [s]. 0 for OpenGL. Threads: any.
+  virtual double busySeconds() const { return 0; }
   /// Whether the device can run all passes of a list; as the runtimes' supports(), with their
   /// errors.
   virtual Result<void> supports(const PassList& list) const = 0;
@@ -168,7 +178,8 @@ class PELAGE_API HeadlessDevice {
   /// Bytes of the tables' buffers that the device holds now; those that were removed count until
   /// the GPU has done with them.
   virtual uint64_t bufferBytes() const = 0;
-  /// Validation or debug messages of at least warning severity so far.
+  /// Validation or debug messages of at least warning severity so far, of all devices that share
+  /// it.
   virtual uint32_t messageCount() const = 0;
 
  protected:

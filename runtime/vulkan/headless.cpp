@@ -1,5 +1,5 @@
-// A Vulkan device without a window: makes instance, device and queue, runs pass lists through the
-// runtime, waits, and reads results back.
+// A Vulkan device without a window: makes instance, device and queues, or shares those of another
+// one, runs pass lists through the runtime, waits, and reads results back.
 
 #include "pelage/headless.h"
 #include "pelage/list_check.h"
@@ -11,6 +11,7 @@
 #include <bit>
 #include <cstring>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -45,12 +46,11 @@ float halfToFloat(uint16_t half) {
 // completed.
 class WaitedFrames {
  public:
-  explicit WaitedFrames(const OwnDevice& device) : own_(device) {}
+  explicit WaitedFrames(OwnDevice& device) : own_(device) {}
   WaitedFrames(const WaitedFrames&) = delete;
   WaitedFrames& operator=(const WaitedFrames&) = delete;
   ~WaitedFrames() {
     runtime_.reset();
-    if (device_.handle == VK_NULL_HANDLE) return;
     device_.vk.DestroyFence(device_.handle, fence_, nullptr);
     device_.vk.DestroyCommandPool(device_.handle, pool_, nullptr);
   }
@@ -59,6 +59,8 @@ class WaitedFrames {
   Runtime& runtime() { return *runtime_; }
   const Runtime& runtime() const { return *runtime_; }
   VkCommandBuffer commands() const { return commands_; }
+  /// Whether the wait for a submission failed.
+  bool isRunning() const { return running_; }
   std::vector<PassTiming> timings() { return runtime_->timings(frame_); }
 
   /// Starts a frame and its command buffer.
@@ -69,12 +71,14 @@ class WaitedFrames {
   void abandon();
 
  private:
-  const OwnDevice& own_;
+  OwnDevice& own_;
   const Device& device_ = own_.device();
+  OwnQueue& queue_ = own_.nextQueue();
   VkCommandPool pool_ = VK_NULL_HANDLE;
   VkCommandBuffer commands_ = VK_NULL_HANDLE;
   VkFence fence_ = VK_NULL_HANDLE;
   uint64_t frame_ = 0;
+  bool running_ = false;
   std::optional<Runtime> runtime_;
 };
 
@@ -103,6 +107,7 @@ Result<void> WaitedFrames::create(Tier maxTier) {
   def.enabledFeatures = device_.features;
   def.getInstanceProcAddr = vk.GetInstanceProcAddr;
   def.debugUtils = own_.debugUtils();
+  def.pipelineCache = own_.pipelineCache();
   def.maxTier = maxTier;
   Result<Runtime> runtime = Runtime::create(def);
   if (!runtime) return runtime.error();
@@ -133,14 +138,21 @@ Result<void> WaitedFrames::submit() {
   auto info = tagged<VkSubmitInfo>(VK_STRUCTURE_TYPE_SUBMIT_INFO);
   info.commandBufferCount = 1;
   info.pCommandBuffers = &commands_;
-  result = vk.QueueSubmit(own_.queue(), 1, &info, fence_);
+  {
+    const std::lock_guard lock(queue_.mutex);
+    result = vk.QueueSubmit(queue_.handle, 1, &info, fence_);
+  }
   if (result != VK_SUCCESS) {
     runtime_->abandonFrame();
     return vulkanError(result, "vkQueueSubmit");
   }
   runtime_->submitted();
+  running_ = true;
+  own_.busy().begin();
   result = vk.WaitForFences(device_.handle, 1, &fence_, VK_TRUE, UINT64_MAX);
+  own_.busy().end();
   if (result != VK_SUCCESS) return vulkanError(result, "vkWaitForFences");
+  running_ = false;
   result = vk.ResetFences(device_.handle, 1, &fence_);
   if (result != VK_SUCCESS) return vulkanError(result, "vkResetFences");
   runtime_->collect(frame_);
@@ -155,12 +167,18 @@ void WaitedFrames::abandon() {
 
 class HeadlessVulkan final : public HeadlessDevice {
  public:
-  HeadlessVulkan() = default;
+  HeadlessVulkan(std::shared_ptr<OwnDevice> own, Tier maxTier)
+      : own_(std::move(own)), maxTier_(maxTier) {}
   ~HeadlessVulkan() override;
 
-  Result<void> open(const HeadlessDef& def);
+  /// \param own  open
+  static Result<std::unique_ptr<HeadlessDevice>> make(std::shared_ptr<OwnDevice> own, Tier maxTier);
 
   const DeviceInfo& info() const override { return info_; }
+  Result<std::unique_ptr<HeadlessDevice>> another() const override {
+    return guarded([&] { return make(own_, maxTier_); });
+  }
+  double busySeconds() const override { return own_->busy().seconds(); }
   Result<void> update(const ResourceTable& resources) override;
   Result<TextureId> createTexture(const TextureDef& texture) override;
   Result<void> execute(const PassList& list, std::vector<PassTiming>* timings) override;
@@ -175,38 +193,43 @@ class HeadlessVulkan final : public HeadlessDevice {
   }
   void addCode(KernelCodeList code) override { frames_.runtime().addCode(code); }
   uint64_t bufferBytes() const override { return frames_.runtime().bufferBytes(); }
-  uint32_t messageCount() const override { return own_.messageCount(); }
+  uint32_t messageCount() const override { return own_->messageCount(); }
 
  private:
+  Result<void> open();
   uint32_t sampleCounts(VkFormat color) const;
   Result<void> makeTarget(const RenderTargetDef& def);
   /// Records one list of render(): all but the first load what is there.
   Result<void> recordList(const PassList& list, const RenderTargetDef& def, const VkRect2D& area,
                           bool first);
 
-  OwnDevice own_;
-  const Device& device_ = own_.device();
+  std::shared_ptr<OwnDevice> own_;
+  Tier maxTier_;
+  const Device& device_ = own_->device();
   DeviceInfo info_;
   std::unique_ptr<BufferMemory> memory_;  // of readbacks
-  WaitedFrames frames_{own_};
+  WaitedFrames frames_{*own_};
+  std::pair<uint64_t, uint64_t> updated_ = {};  // id and version of the table
   RenderTarget target_{device_};
   std::vector<Texture> textures_;
 };
 
 HeadlessVulkan::~HeadlessVulkan() {
-  if (device_.handle == VK_NULL_HANDLE) return;
-  static_cast<void>(device_.vk.DeviceWaitIdle(device_.handle));
+  // The others that share it go on.
+  if (frames_.isRunning()) own_->waitIdle();
   target_.destroy();
   for (Texture& texture : textures_) texture.destroy(device_);
 }
 
-Result<void> HeadlessVulkan::open(const HeadlessDef& def) {
-  if (def.api != Api::kVulkan) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "createHeadlessVulkan() makes Vulkan devices: use createHeadlessGl()"};
-  }
-  if (Result<void> done = own_.open(def); !done) return done;
-  if (Result<void> done = frames_.create(def.maxTier); !done) return done;
+Result<std::unique_ptr<HeadlessDevice>> HeadlessVulkan::make(std::shared_ptr<OwnDevice> own,
+                                                             Tier maxTier) {
+  auto device = std::make_unique<HeadlessVulkan>(std::move(own), maxTier);
+  if (Result<void> opened = device->open(); !opened) return opened.error();
+  return std::unique_ptr<HeadlessDevice>(std::move(device));
+}
+
+Result<void> HeadlessVulkan::open() {
+  if (Result<void> done = frames_.create(maxTier_); !done) return done;
   memory_ = std::make_unique<BufferMemory>(device_, BufferAllocator{});
   info_ = describe(device_);
   info_.sampleCounts = sampleCounts(RenderTarget::kColorFormat);
@@ -231,12 +254,17 @@ uint32_t HeadlessVulkan::sampleCounts(VkFormat color) const {
 
 Result<void> HeadlessVulkan::update(const ResourceTable& resources) {
   return guarded([&]() -> Result<void> {
+    // Without changes there is nothing to submit and to wait for.
+    const std::pair now(resources.id(), resources.version());
+    if (now == updated_) return {};
     if (Result<void> done = frames_.begin(); !done) return done;
     if (Result<void> done = frames_.runtime().update(resources, frames_.commands()); !done) {
       frames_.abandon();
       return done;
     }
-    return frames_.submit();
+    Result<void> done = frames_.submit();
+    if (done) updated_ = now;
+    return done;
   });
 }
 
@@ -443,9 +471,13 @@ Result<std::vector<std::byte>> HeadlessVulkan::read(BufferId buffer, uint64_t of
 
 Result<std::unique_ptr<HeadlessDevice>> createHeadlessVulkan(const HeadlessDef& def) {
   return vulkan::guarded([&]() -> Result<std::unique_ptr<HeadlessDevice>> {
-    auto device = std::make_unique<vulkan::HeadlessVulkan>();
-    if (Result<void> opened = device->open(def); !opened) return opened.error();
-    return std::unique_ptr<HeadlessDevice>(std::move(device));
+    if (def.api != Api::kVulkan) {
+      return Error{ErrorCode::kInvalidArgument,
+                   "createHeadlessVulkan() makes Vulkan devices: use createHeadlessGl()"};
+    }
+    auto own = std::make_shared<vulkan::OwnDevice>();
+    if (Result<void> opened = own->open(def); !opened) return opened.error();
+    return vulkan::HeadlessVulkan::make(std::move(own), def.maxTier);
   });
 }
 

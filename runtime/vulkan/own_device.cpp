@@ -196,9 +196,28 @@ Result<VkPhysicalDevice> pickDevice(const Functions& vk, std::span<const VkPhysi
 
 }  // namespace
 
+void BusyClock::begin() {
+  const std::lock_guard lock(mutex_);
+  if (running_++ == 0) since_ = Clock::now();
+}
+
+void BusyClock::end() {
+  const std::lock_guard lock(mutex_);
+  if (--running_ == 0) total_ += Clock::now() - since_;
+}
+
+double BusyClock::seconds() const {
+  const std::lock_guard lock(mutex_);
+  const Clock::duration now = running_ > 0 ? Clock::now() - since_ : Clock::duration();
+  return std::chrono::duration<double>(total_ + now).count();
+}
+
 OwnDevice::~OwnDevice() {
   const Functions& vk = device_.vk;
-  if (device_.handle != VK_NULL_HANDLE) vk.DestroyDevice(device_.handle, nullptr);
+  if (device_.handle != VK_NULL_HANDLE) {
+    vk.DestroyPipelineCache(device_.handle, pipelineCache_, nullptr);
+    vk.DestroyDevice(device_.handle, nullptr);
+  }
   if (device_.instance != VK_NULL_HANDLE) {
     if (messenger_ != VK_NULL_HANDLE) {
       const auto destroy = reinterpret_cast<PFN_vkDestroyDebugUtilsMessengerEXT>(
@@ -214,7 +233,13 @@ Result<void> OwnDevice::open(const HeadlessDef& def) {
   if (Result<void> done = device_.vk.loadGlobal(nullptr); !done) return done;
   if (Result<void> done = createInstance(def); !done) return done;
   if (Result<void> done = choosePhysicalDevice(def); !done) return done;
-  return createDevice();
+  return createDevice(def.queues);
+}
+
+void OwnDevice::waitIdle() {
+  for (OwnQueue& queue : queues_) queue.mutex.lock();
+  static_cast<void>(device_.vk.DeviceWaitIdle(device_.handle));
+  for (OwnQueue& queue : queues_) queue.mutex.unlock();
 }
 
 Result<void> OwnDevice::createInstance(const HeadlessDef& def) {
@@ -287,7 +312,7 @@ Result<void> OwnDevice::choosePhysicalDevice(const HeadlessDef& def) {
   return {};
 }
 
-Result<void> OwnDevice::createDevice() {
+Result<void> OwnDevice::createDevice(uint32_t queues) {
   Functions& vk = device_.vk;
   uint32_t count = 0;
   vk.GetPhysicalDeviceQueueFamilyProperties(device_.physical, &count, nullptr);
@@ -314,11 +339,12 @@ Result<void> OwnDevice::createDevice() {
   device_.features.vertexPipelineStoresAndAtomics = supported.vertexPipelineStoresAndAtomics;
   device_.features.fullDrawIndexUint32 = supported.fullDrawIndexUint32;
 
-  const float priority = 1;
+  const uint32_t queueCount = std::clamp(queues, 1u, device_.queue.queueCount);
+  const std::vector<float> priorities(queueCount, 1.0f);
   auto queue = tagged<VkDeviceQueueCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO);
   queue.queueFamilyIndex = device_.queueFamily;
-  queue.queueCount = 1;
-  queue.pQueuePriorities = &priority;
+  queue.queueCount = queueCount;
+  queue.pQueuePriorities = priorities.data();
   auto info = tagged<VkDeviceCreateInfo>(VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO);
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
@@ -335,7 +361,12 @@ Result<void> OwnDevice::createDevice() {
     return loaded;
   }
   device_.handle = created;
-  vk.GetDeviceQueue(created, device_.queueFamily, 0, &queue_);
+  for (uint32_t i = 0; i < queueCount; ++i)
+    vk.GetDeviceQueue(created, device_.queueFamily, i, &queues_.emplace_back().handle);
+  const auto cache =
+      tagged<VkPipelineCacheCreateInfo>(VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO);
+  const VkResult cached = vk.CreatePipelineCache(created, &cache, nullptr, &pipelineCache_);
+  if (cached != VK_SUCCESS) return vulkanError(cached, "vkCreatePipelineCache");
   return {};
 }
 

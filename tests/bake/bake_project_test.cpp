@@ -198,6 +198,8 @@ TEST(Plan, RangesAreWholeChunksAndCoverTheShots) {
   EXPECT_EQ(planCommands(*project, "/bin/pelage-bake", 0),
             (std::vector<std::string>{"/bin/pelage-bake run '" + path + "' --shot a",
                                       "/bin/pelage-bake run '" + path + "' --shot b"}));
+  EXPECT_EQ(planCommands(*project, "bake", 0, 8),
+            (std::vector<std::string>{"bake run '" + path + "' --shot a,b"}));
   const auto commands = planCommands(*project, "bake", 16);
   ASSERT_EQ(commands.size(), 6u);
   expectHas(commands[0], "--shot a --frames=1-15");

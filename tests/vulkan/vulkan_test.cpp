@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <memory>
 #include <span>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "runtime_test/spirv.h"
@@ -174,6 +177,63 @@ TEST_F(VulkanHeadless, ReusesDescriptorsAndMemoryAsBuffersComeAndGo) {
     tracker_.forget(target);
   }
   update();
+}
+
+TEST_F(VulkanHeadless, WaitsForTheGpuOnlyWhereATableHasChanged) {
+  (void)add("one", ramp(1, kThreads));
+  update();
+  const double before = device_->busySeconds();
+  update();
+  EXPECT_EQ(device_->busySeconds(), before);
+  const BufferId two = add("two", ramp(2, kThreads));
+  update();
+  EXPECT_GT(device_->busySeconds(), before);
+  EXPECT_EQ(read(two), ramp(2, kThreads));
+}
+
+// Four devices share two queues, each on its own thread; the one that made them is gone.
+TEST_F(VulkanHeadless, DevicesThatShareQueuesRunOnThreadsOfTheirOwn) {
+  constexpr uint32_t kDevices = 4, kRounds = 20;
+  Result<std::unique_ptr<HeadlessDevice>> first =
+      createDeviceOfPelage({.validation = true, .queues = 2});
+  ASSERT_TRUE(first);
+  EXPECT_EQ((*first)->busySeconds(), 0);
+  std::vector<std::unique_ptr<HeadlessDevice>> devices;
+  for (uint32_t i = 0; i < kDevices; ++i) devices.push_back(valueOf((*first)->another()));
+  EXPECT_EQ(devices[0]->info().uuid, (*first)->info().uuid);
+  first->reset();
+  std::vector<std::vector<uint32_t>> results(kDevices);
+  const auto start = std::chrono::steady_clock::now();
+  {
+    std::vector<std::jthread> threads;
+    for (uint32_t i = 0; i < kDevices; ++i)
+      threads.emplace_back([&, i] {
+        PELAGE_TEST_ADD_CODE(*devices[i]);
+        ResourceTable table;
+        HazardTracker tracker;
+        const BufferId source = table.add("source", ramp(i, kThreads), BufferUsage::kStorage);
+        const BufferId target = addZeros(table, "target", kThreads);
+        PassList list;
+        addAccumulate(list, source, target, kThreads, 2, 3);
+        bool ran = bool(devices[i]->update(table));
+        for (uint32_t round = 0; ran && round < kRounds; ++round) {
+          list.run.reset();
+          tracker.resolve(list);
+          ran = bool(devices[i]->execute(list));
+        }
+        if (ran) results[i] = valuesOf<uint32_t>(valueOf(devices[i]->read(target)));
+      });
+  }
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
+  EXPECT_GT(devices[0]->busySeconds(), 0);
+  EXPECT_LE(devices[0]->busySeconds(), wall.count()) << "time in which several run counts once";
+  for (uint32_t i = 0; i < kDevices; ++i) {
+    std::vector<uint32_t> expected(kThreads, 0);
+    for (uint32_t round = 0; round < kRounds; ++round)
+      accumulateOnHost(ramp(i, kThreads), expected, 2, 3);
+    EXPECT_EQ(results[i], expected) << "device " << i;
+    EXPECT_EQ(devices[i]->messageCount(), 0u);
+  }
 }
 
 // Bad input: an error that names pass and resource, and a device that still works.

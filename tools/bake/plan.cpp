@@ -84,12 +84,16 @@ std::string shellWord(const std::string& text) {
 }
 
 std::vector<std::string> planCommands(const Project& project, const std::string& program,
-                                      uint64_t rangeFrames) {
+                                      uint64_t rangeFrames, uint64_t shotCount) {
   std::vector<std::string> commands;
-  for (const Shot& shot : project.shots) {
+  for (size_t first = 0; first < project.shots.size(); first += shotCount) {
+    const Shot& shot = project.shots[first];
+    std::string names = shot.name;
+    for (size_t i = first + 1; i < std::min(first + shotCount, project.shots.size()); ++i)
+      names += "," + project.shots[i].name;
     const std::string command = fmt::format("{} run {} --shot {}", shellWord(program),
-                                            shellWord(project.file.string()), shellWord(shot.name));
-    if (rangeFrames == 0 || shot.frames.count() <= rangeFrames) {
+                                            shellWord(project.file.string()), shellWord(names));
+    if (shotCount > 1 || rangeFrames == 0 || shot.frames.count() <= rangeFrames) {
       commands.push_back(command);
       continue;
     }

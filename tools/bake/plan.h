@@ -12,11 +12,11 @@
 
 namespace pelage::bake {
 
-/// One command a shot, or a range of a shot's frames: each is a line that a shell runs, in any
-/// order and at the same time as others. \param program  the path of pelage-bake. \param
-/// rangeFrames  frames of a range, at least; 0: all of a shot
+/// One command for `shotCount` shots (1 or more), or for a range of a shot's frames: each is a line
+/// that a shell runs, in any order and at the same time as others. \param program  the path of
+/// pelage-bake. \param rangeFrames  frames of a range, at most, of one shot; 0: all of a shot
 std::vector<std::string> planCommands(const Project& project, const std::string& program,
-                                      uint64_t rangeFrames);
+                                      uint64_t rangeFrames, uint64_t shotCount = 1);
 
 /// A word of a shell's command line, in quotes where it needs them.
 std::string shellWord(const std::string& text);

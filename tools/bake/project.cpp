@@ -324,4 +324,11 @@ Result<uint64_t> fingerprintOf(const Project& project, const Shot& shot, FileHas
   return sourceKeyOf(std::as_bytes(std::span(text)), "").hash;
 }
 
+Result<uint64_t> assetKeyOf(const Shot& shot, FileHashes& hashes) {
+  Shot assets;
+  assets.files = shot.files;
+  assets.generated = shot.generated;
+  return fingerprintOf({}, assets, hashes);
+}
+
 }  // namespace pelage::bake

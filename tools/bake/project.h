@@ -112,4 +112,8 @@ class FileHashes {
 /// read.
 Result<uint64_t> fingerprintOf(const Project& project, const Shot& shot, FileHashes& hashes);
 
+/// A key of all that loadAssets() gives: shots with the same one can share hair and meshes. Errors:
+/// as fingerprintOf().
+Result<uint64_t> assetKeyOf(const Shot& shot, FileHashes& hashes);
+
 }  // namespace pelage::bake

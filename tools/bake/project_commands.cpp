@@ -16,7 +16,7 @@ namespace {
 
 struct PlanArguments {
   std::string project, out, program;
-  uint64_t rangeFrames = 0;
+  uint64_t rangeFrames = 0, shotCount = 1;
 };
 
 std::string ownPath() {
@@ -37,8 +37,9 @@ Result<void> plan(const PlanArguments& arguments, Session& session) {
       return Error{fingerprint.error().code,
                    fmt::format("shot '{}': {}", shot.name, fingerprint.error().message)};
   }
-  const auto commands = planCommands(
-      *project, arguments.program.empty() ? ownPath() : arguments.program, arguments.rangeFrames);
+  const auto commands =
+      planCommands(*project, arguments.program.empty() ? ownPath() : arguments.program,
+                   arguments.rangeFrames, arguments.shotCount);
   std::string text;
   for (const std::string& command : commands) text += command + "\n";
   if (auto written = writeAtomic(std::filesystem::absolute(arguments.out), "plan", text); !written)
@@ -124,10 +125,17 @@ void addPlanCommand(CLI::App& app, Session& session) {
       "plan", "Checks a project and writes a file with a command line for each shot");
   command->add_option("PROJECT", arguments->project, "Project, .json")->required();
   command->add_option("OUT", arguments->out, "File of command lines")->required();
+  CLI::Option* ranges =
+      command
+          ->add_option("--range-frames", arguments->rangeFrames,
+                       "A command for each range of at most so many frames of a shot, in whole "
+                       "chunks")
+          ->check(CLI::Range(1, 1'000'000).description(""));
   command
-      ->add_option("--range-frames", arguments->rangeFrames,
-                   "A command for each range of at most so many frames of a shot, in whole chunks")
-      ->check(CLI::Range(1, 1'000'000).description(""));
+      ->add_option("--shots", arguments->shotCount,
+                   "Shots of a command, which share a process; 1 if it is not given")
+      ->check(CLI::Range(1, 1'000'000).description(""))
+      ->excludes(ranges);
   command->add_option("--program", arguments->program,
                       "Path of pelage-bake on the machines that run the commands; that of this "
                       "program if it is not given");

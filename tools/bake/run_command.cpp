@@ -1,12 +1,16 @@
-// run: simulates a shot, or goes on with it.
+// run: simulates shots, or goes on with them.
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "commands.h"
 #include "json_members.h"
@@ -17,20 +21,21 @@ namespace pelage::bake {
 namespace {
 
 struct RunArguments {
-  std::string project, shot, frames, device, errorBound;
-  uint32_t threads = 0;
+  std::string project, frames, device, errorBound;
+  std::vector<std::string> shots;
+  uint32_t threads = 0, jobs = 4;
   double errorShare = 0, grace = 10;
   bool noWait = false, restart = false;
 };
 
-volatile std::sig_atomic_t g_interrupted = 0;
+std::atomic<bool> g_interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "signal handlers write it");
 
 // Schedulers send SIGTERM some time before SIGKILL. Who presses Ctrl-C once more has no time.
 void watchSignals() {
-  std::signal(SIGTERM, [](int) { g_interrupted = 1; });
+  std::signal(SIGTERM, [](int) { g_interrupted = true; });
   std::signal(SIGINT, [](int) {
-    if (g_interrupted != 0) ::_exit(kRunAgain);
-    g_interrupted = 1;
+    if (g_interrupted.exchange(true)) ::_exit(kRunAgain);
   });
   // A file that grows over a limit is an error of the write.
   std::signal(SIGXFSZ, SIG_IGN);
@@ -92,24 +97,40 @@ void report(const RunReport& run, const Shot& shot, Session& session) {
   session.add("reading_seconds", run.readingSeconds, "", "");
 }
 
+// The shots that the command line names, with its settings; all of the project if it names none.
+Result<std::vector<Shot>> shotsOf(const RunArguments& arguments, const Project& project) {
+  std::vector<Shot> shots;
+  for (const std::string& name : arguments.shots) {
+    const Shot* found = project.find(name);
+    if (found == nullptr)
+      return Error{ErrorCode::kInvalidArgument,
+                   fmt::format("{}: has no shot '{}'", arguments.project, name)};
+    if (std::count(arguments.shots.begin(), arguments.shots.end(), name) > 1)
+      return Error{ErrorCode::kInvalidArgument, fmt::format("--shot: '{}' is given twice", name)};
+    shots.push_back(*found);
+  }
+  if (shots.empty()) shots = project.shots;
+  for (Shot& shot : shots) {
+    if (!arguments.errorBound.empty()) {
+      const auto bound = parseMeters(arguments.errorBound);
+      if (!bound || !(*bound >= 1e-7 && *bound <= 1))
+        return Error{ErrorCode::kInvalidArgument,
+                     fmt::format("--error-bound: '{}' is no length from 1e-7 to 1 m: 0.5mm",
+                                 arguments.errorBound)};
+      shot.errorBound = bound;
+      shot.subSteps.reset();
+    }
+    if (arguments.errorShare > 0) shot.errorShare = arguments.errorShare;
+  }
+  return shots;
+}
+
 Result<void> run(const RunArguments& arguments, Session& session, int& exitCode) {
+  const auto start = std::chrono::steady_clock::now();
   auto project = loadProject(arguments.project);
   if (!project) return project.error();
-  const Shot* found = project->find(arguments.shot);
-  if (found == nullptr)
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: has no shot '{}'", arguments.project, arguments.shot)};
-  Shot shot = *found;
-  if (!arguments.errorBound.empty()) {
-    const auto bound = parseMeters(arguments.errorBound);
-    if (!bound || !(*bound >= 1e-7 && *bound <= 1))
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("--error-bound: '{}' is no length from 1e-7 to 1 m: 0.5mm",
-                               arguments.errorBound)};
-    shot.errorBound = bound;
-    shot.subSteps.reset();
-  }
-  if (arguments.errorShare > 0) shot.errorShare = arguments.errorShare;
+  const auto shots = shotsOf(arguments, *project);
+  if (!shots) return shots.error();
   RunOptions options;
   if (!arguments.frames.empty()) {
     options.range = parseFrames(arguments.frames);
@@ -123,16 +144,44 @@ Result<void> run(const RunArguments& arguments, Session& session, int& exitCode)
   options.threads = arguments.threads;
   options.graceSeconds = arguments.grace;
   options.progress = [&](uint64_t done, uint64_t total) {
-    session.progress(fmt::format("{} {}/{}", shot.name, done, total), done, total);
+    session.progress(fmt::format("{}/{} frames", done, total), done, total);
   };
   options.warn = [&](const std::string& text) { session.warn(text); };
-  options.interrupted = [] { return g_interrupted != 0; };
+  options.interrupted = [] { return g_interrupted.load(); };
   watchSignals();
-  const auto done = runShot(*project, shot, options);
-  if (!done) return done.error();
-  report(*done, shot, session);
-  if (done->outcome == RunOutcome::kInterrupted || done->outcome == RunOutcome::kBusy)
-    exitCode = kRunAgain;
+  const RunsReport runs = runShots(*project, *shots, options, arguments.jobs);
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const bool several = shots->size() > 1;
+  uint64_t frames = 0;
+  std::vector<std::string> failed;
+  for (size_t i = 0; i < shots->size(); ++i) {
+    const auto& one = runs.shots[i];
+    const std::string& name = (*shots)[i].name;
+    if (!one && !several) return one.error();
+    session.beginFile();
+    if (one) {
+      report(*one, (*shots)[i], session);
+      frames += one->stepsRun;
+      if (one->outcome == RunOutcome::kInterrupted || one->outcome == RunOutcome::kBusy)
+        exitCode = kRunAgain;
+    } else {
+      session.add("shot", name, "shot", name);
+      session.add("outcome", "failed", "outcome", "failed");
+      session.fail(fmt::format("{}: {}", name, one.error().message));
+      failed.push_back(name);
+    }
+  }
+  if (several) {
+    session.endFiles("shots");
+    session.add("failed", failed, failed.empty() ? "" : "failed",
+                fmt::format("{}", fmt::join(failed, ", ")));
+    session.add("frames_simulated", frames, "frames simulated", fmt::format("{}", frames));
+  }
+  session.add("wall_seconds", seconds, "", "");
+  session.add("busy_seconds", runs.busySeconds, runs.busySeconds > 0 ? "GPU" : "",
+              fmt::format("busy {:.2f} s of {:.2f} s, {:.0f} %", runs.busySeconds, seconds,
+                          100 * runs.busySeconds / seconds));
   return {};
 }
 
@@ -141,9 +190,19 @@ Result<void> run(const RunArguments& arguments, Session& session, int& exitCode)
 void addRunCommand(CLI::App& app, Session& session, int& exitCode) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand(
-      "run", "Simulates the frames of a shot that are not there yet, and writes its files");
+      "run", "Simulates the frames of shots that are not there yet, and writes their files");
   command->add_option("PROJECT", arguments->project, "Project, .json")->required();
-  command->add_option("--shot", arguments->shot, "Name of the shot")->required();
+  command
+      ->add_option(
+          "--shot", arguments->shots,
+          "Name of a shot, or several: --shot a,b or --shot a --shot b; all of the project "
+          "if it is not given")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command
+      ->add_option("--jobs", arguments->jobs,
+                   "Shots in flight at once, which share the GPU; 4 if it is not given")
+      ->check(CLI::Range(1, 64).description(""));
   command->add_option("--frames", arguments->frames,
                       "Frames A-B alone, whole chunks; those before are simulated, too, or come "
                       "from a checkpoint");
@@ -161,8 +220,8 @@ void addRunCommand(CLI::App& app, Session& session, int& exitCode) {
       ->check(CLI::Range(0.01, 1.0).description(""));
   command
       ->add_option("--threads", arguments->threads,
-                   "Threads that encode frames while the next ones are simulated; as many as the "
-                   "machine has cores if it is not given")
+                   "Threads that encode frames while the next ones are simulated, for all shots in "
+                   "flight; as many as the machine has cores if it is not given")
       ->check(CLI::Range(1, 1024).description(""));
   command
       ->add_option(

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <charconv>
 #include <chrono>
+#include <future>
 #include <thread>
 #include <utility>
 
@@ -53,6 +54,7 @@ struct Run {
   const Project& project;
   const Shot& shot;
   const RunOptions& options;
+  RunResources& resources;
   FrameRange range = options.range.value_or(shot.frames);
   ShotStore store{project, shot};
   std::string tag = fmt::format("{}-{}", range.first, range.last);
@@ -107,7 +109,7 @@ Result<void> chooseSteps(Run& run, const ShotInputs& inputs) {
   }
   const std::string& wanted = run.options.device.empty() ? run.project.device : run.options.device;
   auto choice = chooseSubSteps(inputs, run.shot, run.project.framesPerSecond,
-                               [&] { return openDevice(run.project.api, wanted); });
+                               [&] { return run.resources.device(run.project.api, wanted); });
   if (!choice) return choice.error();
   run.report.choice = *std::move(choice);
   return writeAtomic(path, run.tag, toJson(*run.report.choice).dump(1) + "\n");
@@ -115,12 +117,16 @@ Result<void> chooseSteps(Run& run, const ShotInputs& inputs) {
 
 // Opens inputs, device and scene, and notes in the folder which shot it has.
 Result<void> openShot(Run& run, OpenShot& opened) {
-  auto inputs = loadShot(run.shot);
+  const std::string& wanted = run.options.device.empty() ? run.project.device : run.options.device;
+  // Opens beside the loading; a context of OpenGL belongs to the thread that makes it.
+  auto opening =
+      std::async(run.project.api == Api::kVulkan ? std::launch::async : std::launch::deferred,
+                 [&] { return run.resources.device(run.project.api, wanted); });
+  auto inputs = run.resources.inputs(run.shot);
   if (!inputs) return inputs.error();
   opened.inputs = *std::move(inputs);
   for (const std::string& warning : opened.inputs.warnings) run.warn(warning);
-  const std::string& wanted = run.options.device.empty() ? run.project.device : run.options.device;
-  auto device = openDevice(run.project.api, wanted);
+  auto device = opening.get();
   if (!device) return device.error();
   run.report.device = deviceName((*device)->info());
   if (auto begun = run.store.begin(run.fingerprint, run.report.device, run.tag); !begun)
@@ -435,12 +441,63 @@ Result<void> work(Run& run, const std::vector<uint64_t>& chunks) {
 
 }  // namespace
 
+Result<std::unique_ptr<HeadlessDevice>> RunResources::device(Api api, const std::string& wanted) {
+  if (api != Api::kVulkan) return openDevice(api, wanted);
+  const std::lock_guard lock(deviceMutex_);
+  if (device_ == nullptr) {
+    auto opened = openDevice(api, wanted, jobs_);
+    if (!opened) return opened;
+    device_ = *std::move(opened);
+  }
+  return device_->another();
+}
+
+Result<uint64_t> RunResources::fingerprint(const Project& project, const Shot& shot) {
+  const std::lock_guard lock(assetsMutex_);
+  return fingerprintOf(project, shot, hashes_);
+}
+
+Result<ShotInputs> RunResources::inputs(const Shot& shot) {
+  std::shared_ptr<Assets> assets;
+  {
+    const std::lock_guard lock(assetsMutex_);
+    const auto key = assetKeyOf(shot, hashes_);
+    if (!key) return key.error();
+    const auto found = std::find_if(assets_.begin(), assets_.end(),
+                                    [&](const auto& one) { return one->key == *key; });
+    assets = found != assets_.end() ? *found : std::make_shared<Assets>();
+    assets->key = *key;
+    if (found != assets_.end()) assets_.erase(found);
+    assets_.push_back(assets);
+    if (assets_.size() > jobs_) assets_.pop_front();
+  }
+  std::unique_lock lock(assets->mutex);
+  if (!assets->loaded) {
+    auto loaded = loadAssets(shot);
+    if (!loaded) return loaded;
+    assets->loaded = *std::move(loaded);
+  }
+  ShotInputs inputs = *assets->loaded;
+  lock.unlock();
+  return loadShot(shot, std::move(inputs));
+}
+
+double RunResources::busySeconds() const {
+  const std::lock_guard lock(deviceMutex_);
+  return device_ != nullptr ? device_->busySeconds() : 0;
+}
+
 Result<RunReport> runShot(const Project& project, const Shot& shot, const RunOptions& options) {
-  Run run = {project, shot, options};
+  RunResources resources;
+  return runShot(project, shot, options, resources);
+}
+
+Result<RunReport> runShot(const Project& project, const Shot& shot, const RunOptions& options,
+                          RunResources& resources) {
+  Run run = {project, shot, options, resources};
   auto chunks = chunksOf(run.project, run.shot, run.range);
   if (!chunks) return chunks.error();
-  FileHashes hashes;
-  const auto fingerprint = fingerprintOf(run.project, run.shot, hashes);
+  const auto fingerprint = resources.fingerprint(run.project, run.shot);
   if (!fingerprint) return fingerprint.error();
   run.fingerprint = *fingerprint;
   if (auto made = makeFolder(run.store.folder()); !made) return made.error();
@@ -478,9 +535,54 @@ Result<RunReport> runShot(const Project& project, const Shot& shot, const RunOpt
   return done.error();
 }
 
-Result<std::unique_ptr<HeadlessDevice>> openDevice(Api api, const std::string& device) {
+RunsReport runShots(const Project& project, std::span<const Shot> shots, const RunOptions& options,
+                    uint32_t jobs) {
+  jobs = static_cast<uint32_t>(std::min<size_t>(jobs, shots.size()));
+  RunResources resources(std::max(jobs, 1u));
+  RunsReport report;
+  RunReport unbegun;
+  unbegun.outcome = RunOutcome::kInterrupted;
+  report.shots.assign(shots.size(), unbegun);
+  std::mutex mutex;  // of the functions of `options`, and of `left`
+  std::vector<uint64_t> left(shots.size());
+  uint64_t all = 0;
+  for (size_t i = 0; i < shots.size(); ++i)
+    all += left[i] = shots[i].preRoll + shots[i].frames.count();
+  uint64_t allLeft = all;
+  const auto progress = [&](size_t i, uint64_t stillLeft) {
+    const std::lock_guard lock(mutex);
+    allLeft -= std::exchange(left[i], stillLeft) - stillLeft;
+    if (options.progress) options.progress(all - allLeft, all);
+  };
+  std::atomic<size_t> next = 0;
+  const auto work = [&] {
+    for (size_t i = next++; i < shots.size(); i = next++) {
+      if (options.interrupted && options.interrupted()) return;
+      RunOptions own = options;
+      own.threads = std::max(threadsOf(options) / jobs, 1u);
+      own.progress = [&, i](uint64_t done, uint64_t total) { progress(i, total - done); };
+      own.warn = [&, i](const std::string& text) {
+        const std::lock_guard lock(mutex);
+        if (options.warn) options.warn(shots.size() > 1 ? shots[i].name + ": " + text : text);
+      };
+      report.shots[i] = tools::guarded([&] { return runShot(project, shots[i], own, resources); });
+      progress(i, 0);
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    while (others.size() + 1 < jobs) others.emplace_back(work);
+    work();
+  }
+  report.busySeconds = resources.busySeconds();
+  return report;
+}
+
+Result<std::unique_ptr<HeadlessDevice>> openDevice(Api api, const std::string& device,
+                                                   uint32_t queues) {
   HeadlessDef def;
   def.api = api;
+  def.queues = queues;
   if (!device.empty()) {
     int index = 0;
     const char* const end = device.data() + device.size();

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,6 +15,7 @@
 #include "pelage/headless.h"
 #include "pelage/result.h"
 #include "project.h"
+#include "shot_scene.h"
 
 namespace pelage::bake {
 
@@ -20,8 +24,9 @@ struct RunOptions {
   std::string device;               ///< index or UUID, before that of the project
   bool wait = true;                 ///< for another process that has the same frames
   bool restart = false;             ///< removes what is there first
-  uint32_t threads = 0;             ///< that encode; 0: as many as the machine has cores
-  /// Frames that have run and frames to run, the pre-roll included.
+  uint32_t threads = 0;  ///< that encode, for all shots in flight; 0: as many as there are cores
+  /// Frames that have run and frames to run, the pre-roll included; of runShots(), frames that need
+  /// not run any more and those of all shots.
   std::function<void(uint64_t done, uint64_t total)> progress;
   /// Ends the run when it returns true: with a checkpoint before the frames to write; else behind
   /// the chunk at hand with a checkpoint, if its other frames take no more than `graceSeconds`, or
@@ -54,11 +59,60 @@ struct RunReport {
   uint64_t vertices = 0, strands = 0;  ///< written a frame
 };
 
-/// Errors: those of the inputs, the device and the disk; work of something else in the folder. What
-/// is complete stays, and the next run goes on from there.
+/// Shared by the runs of a process: the Vulkan device, the assets, and the hashes of files.
+/// Threads: any.
+class RunResources {
+ public:
+  /// \param jobs  shots in flight at most, 1 or more
+  explicit RunResources(uint32_t jobs = 1) : jobs_(jobs) {}
+
+  /// A device for one scene, as openDevice(); those of Vulkan share one, which the first call
+  /// chooses.
+  Result<std::unique_ptr<HeadlessDevice>> device(Api api, const std::string& wanted);
+  /// fingerprintOf(), which reads each file once.
+  Result<uint64_t> fingerprint(const Project& project, const Shot& shot);
+  /// loadShot(), with the assets of an earlier shot where it has the same; those of the `jobs`
+  /// latest ones stay loaded.
+  Result<ShotInputs> inputs(const Shot& shot);
+  /// HeadlessDevice::busySeconds() of the shared device.
+  double busySeconds() const;
+
+ private:
+  struct Assets {
+    uint64_t key = 0;
+    std::mutex mutex;
+    std::optional<ShotInputs> loaded;
+  };
+
+  const uint32_t jobs_;
+  mutable std::mutex deviceMutex_;
+  std::unique_ptr<HeadlessDevice> device_;
+  std::mutex assetsMutex_;  // of what follows
+  FileHashes hashes_;
+  std::deque<std::shared_ptr<Assets>> assets_;  // latest last
+};
+
+/// Runs a shot. Errors: those of the inputs, the device and the disk; work of something else in the
+/// folder. What is complete stays, and the next run goes on from there.
+Result<RunReport> runShot(const Project& project, const Shot& shot, const RunOptions& options,
+                          RunResources& resources);
 Result<RunReport> runShot(const Project& project, const Shot& shot, const RunOptions& options);
 
+/// The outcome of several shots.
+struct RunsReport {
+  std::vector<Result<RunReport>> shots;  ///< in the order in which they were given
+  double busySeconds = 0;                ///< RunResources::busySeconds()
+};
+/// Runs shots in their order, `jobs` at a time (1 or more), each on a thread; the files are those
+/// of runShot(). An error ends its shot alone. Shots that are to begin once `options.interrupted`
+/// says so do not begin, and count as interrupted. The functions of `options` are called by one
+/// thread at a time, but `interrupted` by all.
+RunsReport runShots(const Project& project, std::span<const Shot> shots, const RunOptions& options,
+                    uint32_t jobs);
+
 /// A device by its index or UUID ("GPU-" before it is taken, too); empty takes the best one.
-Result<std::unique_ptr<HeadlessDevice>> openDevice(Api api, const std::string& device);
+/// \param queues  HeadlessDef::queues
+Result<std::unique_ptr<HeadlessDevice>> openDevice(Api api, const std::string& device,
+                                                   uint32_t queues = 1);
 
 }  // namespace pelage::bake

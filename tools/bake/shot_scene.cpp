@@ -25,6 +25,20 @@ std::optional<uint32_t> indexOf(const std::vector<std::string>& names, std::stri
   return static_cast<uint32_t>(found - names.begin());
 }
 
+// A name that a file can have on every system.
+std::string fileNameOf(std::string name) {
+  for (char& c : name)
+    if (!(std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-')) c = '_';
+  if (name.empty() || name.front() == '.') name.insert(0, "_");
+  return name;
+}
+
+ShotHair shotHair(CachedHair hair, const SimulationSettings& settings = {},
+                  const FollowDef& follow = {}) {
+  hair.name = fileNameOf(std::move(hair.name));
+  return {std::make_shared<const CachedHair>(std::move(hair)), settings, follow};
+}
+
 Result<void> makeCharacter(const GeneratedAssets& from, ShotInputs& inputs) {
   CharacterDef def;
   def.seed = from.seed;
@@ -40,9 +54,8 @@ Result<void> makeCharacter(const GeneratedAssets& from, ShotInputs& inputs) {
     const bool wanted = from.grooms.empty() || indexOf(from.grooms, groom.name).has_value();
     if (!wanted) continue;
     if (auto done = groom.hair.process(); !done) return done;
-    inputs.hairs.push_back({{groom.name, std::move(groom.hair), std::move(groom.bones), {}},
-                            groom.settings,
-                            groom.follow});
+    inputs.hairs.push_back(shotHair({groom.name, std::move(groom.hair), std::move(groom.bones), {}},
+                                    groom.settings, groom.follow));
   }
   for (CharacterCollider& collider : character->colliders) {
     inputs.meshes.push_back({collider.name, std::move(collider.mesh)});
@@ -58,7 +71,7 @@ Result<void> makeHead(const GeneratedAssets& from, ShotInputs& inputs) {
   auto groom = generateGroom(def);
   if (!groom) return groom.error();
   if (auto done = groom->hair.process(); !done) return done;
-  inputs.hairs.push_back({{"head", std::move(groom->hair), std::move(groom->bones), {}}, {}, {}});
+  inputs.hairs.push_back(shotHair({"head", std::move(groom->hair), std::move(groom->bones), {}}));
   inputs.meshes.push_back({"head", std::move(groom->head)});
   inputs.cellSizes.push_back(kCharacterField);
   return {};
@@ -72,18 +85,10 @@ Result<void> loadFiles(const Shot& shot, ShotInputs& inputs) {
   if (assets->hairs.empty())
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("shot '{}': there is no hair in the files", shot.name)};
-  for (CachedHair& hair : assets->hairs) inputs.hairs.push_back({std::move(hair), {}, {}});
+  for (CachedHair& hair : assets->hairs) inputs.hairs.push_back(shotHair(std::move(hair)));
   inputs.meshes = std::move(assets->meshes);
   inputs.cellSizes.assign(inputs.meshes.size(), 0);
   return {};
-}
-
-// A name that a file can have on every system.
-std::string fileNameOf(std::string name) {
-  for (char& c : name)
-    if (!(std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-')) c = '_';
-  if (name.empty() || name.front() == '.') name.insert(0, "_");
-  return name;
 }
 
 void poseBy(Skeleton skeleton, std::function<std::vector<AffineTransform>(double)> world,
@@ -146,9 +151,9 @@ Result<void> attach(const Shot& shot, ShotInputs& inputs) {
   for (ShotHair& hair : inputs.hairs) {
     const auto refuse = [&](const char* text) {
       return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("shot '{}': the hair '{}' {}", shot.name, hair.hair.name, text)};
+                   fmt::format("shot '{}': the hair '{}' {}", shot.name, hair.hair->name, text)};
     };
-    if (hair.hair.bones) {
+    if (hair.hair->bones) {
       if (shot.hasBones()) continue;
       return refuse(
           "has bones, and the animation moves none; leave out \"bones\", so that it "
@@ -159,17 +164,17 @@ Result<void> attach(const Shot& shot, ShotInputs& inputs) {
           "has no bones that the animation could move; give it \"bones\", a .tfxbone "
           "file, or let it follow the skin by \"points\" and \"mesh\"");
     std::string warning;
-    auto table = bindToSkin(hair.hair.asset, inputs.skin->mesh, warning);
+    auto table = bindToSkin(hair.hair->asset, inputs.skin->mesh, warning);
     if (!table) return refuse(table.error().message.c_str());
     hair.skin = *std::move(table);
-    if (!warning.empty()) inputs.warnings.push_back(hair.hair.name + ": " + warning);
+    if (!warning.empty()) inputs.warnings.push_back(hair.hair->name + ": " + warning);
   }
   return {};
 }
 
 }  // namespace
 
-Result<ShotInputs> loadShot(const Shot& shot) {
+Result<ShotInputs> loadAssets(const Shot& shot) {
   ShotInputs inputs;
   Result<void> done;
   if (!shot.generated)
@@ -179,14 +184,17 @@ Result<ShotInputs> loadShot(const Shot& shot) {
   else
     done = makeHead(*shot.generated, inputs);
   if (!done) return done.error();
-  for (ShotHair& hair : inputs.hairs) hair.hair.name = fileNameOf(hair.hair.name);
   for (size_t i = 0; i < inputs.hairs.size(); ++i)
     for (size_t j = 0; j < i; ++j)
-      if (inputs.hairs[i].hair.name == inputs.hairs[j].hair.name)
+      if (inputs.hairs[i].hair->name == inputs.hairs[j].hair->name)
         return Error{ErrorCode::kInvalidArgument,
                      fmt::format("shot '{}': two hairs are '{}'; the files of a bake have their "
                                  "names",
-                                 shot.name, inputs.hairs[i].hair.name)};
+                                 shot.name, inputs.hairs[i].hair->name)};
+  return inputs;
+}
+
+Result<ShotInputs> loadShot(const Shot& shot, ShotInputs inputs) {
   if (shot.cellSize > 0)
     inputs.cellSizes.assign(inputs.meshes.size(), static_cast<float>(shot.cellSize));
   if (!shot.collides) {
@@ -198,11 +206,16 @@ Result<ShotInputs> loadShot(const Shot& shot) {
     if (!settings) return settings.error();
     inputs.settings = *std::move(settings);
   }
-  done = loadMotion(shot, inputs);
+  Result<void> done = loadMotion(shot, inputs);
   if (done && !shot.points.empty()) done = loadSkin(shot, inputs);
   if (done) done = attach(shot, inputs);
   if (!done) return done.error();
   return inputs;
+}
+
+Result<ShotInputs> loadShot(const Shot& shot) {
+  auto assets = loadAssets(shot);
+  return assets ? loadShot(shot, *std::move(assets)) : assets;
 }
 
 std::vector<Float3> positionsOf(const BakedHair& hair, std::span<const std::byte> bytes) {
@@ -252,40 +265,40 @@ Result<void> ShotScene::addHair(const ShotHair& from, std::optional<uint32_t> su
   if (subSteps) settings.simulation.subSteps = *subSteps;
   HairDef def;
   apply(settings.creation, def);
-  def.name = from.hair.name;
+  def.name = from.hair->name;
   def.settings = settings.simulation;
   def.skeleton = skeleton_;
   def.storeFollowHairs = shot_->followHairs;
   std::vector<BoneInfluences> influences;
   if (from.skin) {
     def.skeleton = SkeletonId::kInvalid;
-    def.boneCount = from.hair.asset.strandCount;
+    def.boneCount = from.hair->asset.strandCount;
     influences = oneBoneAStrand(def.boneCount);
-  } else if (from.hair.bones) {
-    auto found = mapped(from.hair.bones->bones, from.hair.bones->strands);
+  } else if (from.hair->bones) {
+    auto found = mapped(from.hair->bones->bones, from.hair->bones->strands);
     if (!found) return found.error();
     influences = *std::move(found);
   }
   def.influences = influences;
   std::vector<FollowHair> follow =
-      shot_->followHairs ? from.hair.followHairs : std::vector<FollowHair>();
+      shot_->followHairs ? from.hair->followHairs : std::vector<FollowHair>();
   if (shot_->followHairs && follow.empty() && settings.follow.countPerGuide > 0) {
-    auto generated = from.hair.asset.generateFollowHairs(settings.follow);
+    auto generated = from.hair->asset.generateFollowHairs(settings.follow);
     if (!generated) return generated.error();
     follow = *std::move(generated);
   }
   def.followHairs = follow;
-  const auto id = scene_->addHair(from.hair.asset, def);
+  const auto id = scene_->addHair(from.hair->asset, def);
   if (!id) return id.error();
   apply(settings.object, scene_->hair(*id));
   if (from.skin) onSkin_.push_back({*id, &*from.skin, std::vector<AffineTransform>(def.boneCount)});
 
-  BakedHair baked = {from.hair.name, *id, from.hair.asset.verticesPerStrand, {}, 0};
-  const std::vector<uint32_t>& counts = from.hair.asset.vertexCounts;
+  BakedHair baked = {from.hair->name, *id, from.hair->asset.verticesPerStrand, {}, 0};
+  const std::vector<uint32_t>& counts = from.hair->asset.vertexCounts;
   const auto countOf = [&](uint32_t guide) {
     return counts.empty() ? baked.stride : counts[guide];
   };
-  for (uint32_t i = 0; i < from.hair.asset.strandCount; ++i)
+  for (uint32_t i = 0; i < from.hair->asset.strandCount; ++i)
     baked.vertexCounts.push_back(countOf(i));
   for (const FollowHair& hair : follow) baked.vertexCounts.push_back(countOf(hair.guide));
   for (const uint32_t count : baked.vertexCounts) baked.vertexCount += count;

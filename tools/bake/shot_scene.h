@@ -21,7 +21,7 @@ namespace pelage::bake {
 
 /// A groom with its own settings.
 struct ShotHair {
-  CachedHair hair;
+  std::shared_ptr<const CachedHair> hair;  ///< named as its files; shots share it
   SimulationSettings settings;
   FollowDef follow;
   std::optional<SkinTable> skin = {};  ///< roots on ShotInputs::skin, in place of bones
@@ -47,8 +47,14 @@ struct ShotInputs {
   std::vector<std::string> warnings;
 };
 
-/// Errors: those of the loaders; hair that nothing moves, or that bones move which the animation
-/// does not have; a point cache of another mesh; two grooms of one name.
+/// Hair and meshes of a shot, and their warnings: the same for shots of one assetKeyOf(). Errors:
+/// those of the loaders; two grooms of one name.
+Result<ShotInputs> loadAssets(const Shot& shot);
+
+/// \param assets  of loadAssets(). Errors: those of the loaders; hair that nothing moves, or that
+/// bones move which the animation does not have; a point cache of another mesh.
+Result<ShotInputs> loadShot(const Shot& shot, ShotInputs assets);
+/// The same with assets of its own.
 Result<ShotInputs> loadShot(const Shot& shot);
 
 /// A groom in the scene, as it is baked.

@@ -29,6 +29,11 @@ void Session::beginFile() {
   if (!lines_.empty() && !lines_.back().label.empty()) lines_.push_back({});
 }
 
+void Session::endFiles(std::string_view list) {
+  beginFile();
+  list_ = list;
+}
+
 void Session::warn(std::string text) {
   if (!quiet) printWarning(program_, text);
   warnings_.push_back(std::move(text));
@@ -36,6 +41,10 @@ void Session::warn(std::string text) {
 
 void Session::fail(std::string_view file, std::string text) {
   report_["file"] = file;
+  fail(std::move(text));
+}
+
+void Session::fail(std::string text) {
   report_["error"] = text;
   errors_.push_back(std::move(text));
 }
@@ -43,7 +52,9 @@ void Session::fail(std::string_view file, std::string text) {
 void Session::print() const {
   if (json) {
     nlohmann::ordered_json report = report_;
-    if (!earlier_.empty()) {
+    if (!list_.empty()) {
+      report[list_] = earlier_;
+    } else if (!earlier_.empty()) {
       report = {{"files", earlier_}};
       report["files"].push_back(report_);
     }

@@ -32,6 +32,9 @@ class Session {
 
   /// Begins the report of another file: the program's JSON is then a list of them, "files".
   void beginFile();
+  /// Ends the last of several reports; what is added from now on stands beside their list.
+  /// \param list  its key, in place of "files"
+  void endFiles(std::string_view list);
   /// \param key of the JSON object; empty for something that only people read.
   /// \param label, text what people read instead; an empty label for nothing.
   void add(std::string_view key, nlohmann::json value, std::string_view label, std::string text);
@@ -40,6 +43,8 @@ class Session {
   /// An error in one of several files: in its report, and on stderr after all reports. The program
   /// goes on with the next file, and exits with kFailure in the end.
   void fail(std::string_view file, std::string text);
+  /// The same for a report that does not name a file.
+  void fail(std::string text);
   const std::vector<std::string>& errors() const { return errors_; }
   /// Prints the report on stdout.
   void print() const;
@@ -58,6 +63,7 @@ class Session {
   std::string program_;
   nlohmann::ordered_json report_;
   std::vector<nlohmann::ordered_json> earlier_;  // reports of the files before
+  std::string list_;                             // of endFiles()
   std::vector<Line> lines_;
   std::vector<std::string> warnings_, errors_;
   uint64_t drawnPermille_ = ~uint64_t{0};

@@ -38,6 +38,12 @@ const char* apiName(Api api) {
   return "unknown";
 }
 
+Result<std::unique_ptr<HeadlessDevice>> HeadlessDevice::another() const {
+  return Error{
+      ErrorCode::kUnsupported,
+      "HeadlessDevice::another() is of Vulkan: make an OpenGL device by createHeadlessGl()"};
+}
+
 Result<void> HeadlessDevice::supports(const TransparencySettings& settings,
                                       const DrawnFeatures& hair) const {
   const Result<PassList> list = listToDraw(settings, hair, info().tier);
