@@ -4,7 +4,7 @@ namespace bench {
 
 namespace {
 
-// Of "draw_far": the character is some 90 pixels high.
+// Times the distance of the other rows: the character is some 90 pixels high.
 constexpr float kFar = 12;
 
 const char* extraName(DrawingExtra extra) {
