@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What a frame costs, for docs/performance.md: replaces OUT_DIR/frames_<device>.csv and, beside it,
+# Measures frames, for docs/performance.md: replaces OUT_DIR/frames_<device>.csv and, beside it,
 # _passes.csv, _drawing.csv and _drawing_passes.csv, and prints a table of medians in us.
 #   benchmark/run_frames.sh TOOL OUT_DIR DEVICE
 # TOOL is pelage-scene-benchmark; DEVICE names the files: h200, lavapipe, llvmpipe. A software driver
