@@ -3,8 +3,9 @@
 # _passes.csv, _drawing.csv and _drawing_passes.csv, and prints a table of medians in us.
 #   benchmark/run_frames.sh TOOL OUT_DIR DEVICE
 # TOOL is pelage-scene-benchmark; DEVICE names the files: h200, lavapipe, llvmpipe. A software driver
-# gets few strands and frames. Rows whose reference moved are run again, as RUNS says (2). Variables:
+# gets few strands and frames. Variables:
 #   APIS  which APIs, in this order ("vulkan gl")
+#   RUNS  of a row at most, while the copies beside it take different times (2)
 set -euo pipefail
 source "$(dirname "$0")/run_options.sh" frames "$@"
 rm -f "${csv%.csv}"_{passes,drawing,drawing_passes}.csv

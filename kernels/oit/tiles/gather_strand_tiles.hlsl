@@ -39,7 +39,7 @@ void gather_strand_tiles(uint3 group : SV_GroupID, uint lane : SV_GroupIndex) {
   GroupMemoryBarrierWithGroupSync();
   uint pixels = groupPixels();
   uint lanes = lanesOfPixel(pixels);
-  uint own = lane / lanes;
+  uint own = pixelOfLane(lane, lanes);
   TilePixel pixel = tilePixelOf(group, pixels, own);
   uint place = pixel.at.y * g_weighWidth + pixel.at.x;
   if (pixel.inRound && pixel.inside) {

@@ -17,6 +17,9 @@ uint groupPixels() { return g_weighSums[weighSumsEnd() + 2u]; }
 // Lanes of a group of 128 for each of its pixels.
 uint lanesOfPixel(uint pixels) { return pixels == 1u ? 128u : 128u / kMostPixels; }
 
+// The pixel of a lane.
+uint pixelOfLane(uint lane, uint lanes) { return lanes == 128u ? 0u : lane / (128u / kMostPixels); }
+
 // \param pixels of the group, \param pixel one of them.
 TilePixel tilePixelOf(uint3 group, uint pixels, uint pixel) {
   uint listed = group.y * kTileDispatchRow + group.x;

@@ -252,7 +252,7 @@ void takeAll(uint lane, uint begin, uint count) {
 // Takes those that may be visible.
 // \param lanes of a pixel.
 void takeSome(uint lane, uint lanes, uint first, uint last) {
-  uint own = lanes == kLanes ? 0u : lane / (kLanes / kMostPixels);
+  uint own = pixelOfLane(lane, lanes);
   if (own < first || own >= last) return;
   uint begin = s_ends[own] - s_ends[first];
   for (uint i = s_edges[own] + (lane & (lanes - 1u)); i < s_edges[own + 1u]; i += lanes) {
@@ -274,7 +274,7 @@ uint shiftOf(uint range) {
 // \param lanes of a pixel.
 void findLast(uint lane, uint lanes) {
   uint cut = opticalCut(g_weighEpsilon);
-  uint own = lanes == kLanes ? 0u : lane / (kLanes / kMostPixels);
+  uint own = pixelOfLane(lane, lanes);
   uint sub = lane & (lanes - 1u);
   uint begin = s_edges[own] + sub;
   uint end = s_edges[own + 1u];
