@@ -101,6 +101,7 @@ FiberAngles fiberAngles(float3 tangent, float3 toEye, float3 toLight) {
 // I0(x) exp(-x) for x >= 0: Abramowitz and Stegun, "Handbook of mathematical functions", 1964,
 // 9.8.1 and 9.8.2; relative error under 3e-7.
 float scaledBesselI0(float x) {
+  float scaled = 0.0;
   if (x < 3.75) {
     float t = x / 3.75;
     t *= t;
@@ -108,17 +109,19 @@ float scaledBesselI0(float x) {
         1.0 +
         t * (3.5156229 +
              t * (3.0899424 + t * (1.2067492 + t * (0.2659732 + t * (0.0360768 + t * 0.0045813)))));
-    return i0 * exp(-x);
+    scaled = i0 * exp(-x);
+  } else {
+    float u = 3.75 / x;
+    float sum = 0.39894228 +
+                u * (0.01328592 +
+                     u * (0.00225319 +
+                          u * (-0.00157565 +
+                               u * (0.00916281 +
+                                    u * (-0.02057706 +
+                                         u * (0.02635537 + u * (-0.01647633 + u * 0.00392377)))))));
+    scaled = sum / sqrt(x);
   }
-  float u = 3.75 / x;
-  float sum = 0.39894228 +
-              u * (0.01328592 +
-                   u * (0.00225319 +
-                        u * (-0.00157565 +
-                             u * (0.00916281 +
-                                  u * (-0.02057706 +
-                                       u * (0.02635537 + u * (-0.01647633 + u * 0.00392377)))))));
-  return sum / sqrt(x);
+  return scaled;
 }
 
 // d'Eon et al. 2011, equation 7, with the large exponentials of I0 and sinh taken together, which
@@ -145,9 +148,11 @@ float4 longitudinalLobes(FiberModel model, FiberAngles a) {
 
 // Reflectance of a smooth dielectric for unpolarized light (Fresnel), under 1.
 float fresnelReflectance(float cosine, float ior) {
-  float inside = otherLeg(otherLeg(cosine) / ior);
-  float across = (cosine - ior * inside) / max(cosine + ior * inside, 1e-6);
-  float along = (ior * cosine - inside) / max(ior * cosine + inside, 1e-6);
+  float inside = sqrt(max(1.0 - (1.0 - cosine * cosine) / (ior * ior), 0.0));
+  float2 sums = max(float2(cosine + ior * inside, ior * cosine + inside), 1e-6);
+  float share = 1.0 / (sums.x * sums.y);
+  float across = (cosine - ior * inside) * sums.y * share;
+  float along = (ior * cosine - inside) * sums.x * share;
   return min(0.5 * (across * across + along * along), 0.9999);
 }
 
@@ -158,12 +163,26 @@ float crossSectionIor(FiberModel model, FiberAngles a) {
   return max(leg / max(a.cosEye, 1e-4), 1.0);
 }
 
+// What attenuation takes from the angle of the eye.
+struct FiberPath {
+  float cosEye;
+  float inverseCross;  // 1 over the index of refraction of the cross-section
+  float twiceLength;   // 2 over the cosine inside the fiber: length along the fiber of a unit chord
+};
+
+FiberPath fiberPath(FiberModel model, FiberAngles a) {
+  FiberPath path;
+  path.cosEye = a.cosEye;
+  path.inverseCross = 1.0 / crossSectionIor(model, a);
+  path.twiceLength = 2.0 / max(otherLeg(a.sinEye / model.ior), 1e-3);
+  return path;
+}
+
 // \param h offset of the ray from the fiber's axis, -1..1.
 // Chiang et al. 2016, section 4.3 and equations 5 and 6; the rest is the geometric series.
-FiberAttenuation fiberAttenuation(FiberModel model, FiberAngles a, float h) {
-  float reflected = fresnelReflectance(a.cosEye * otherLeg(h), model.ior);
-  float cosInside = max(otherLeg(a.sinEye / model.ior), 1e-3);
-  float chord = 2.0 * otherLeg(h / crossSectionIor(model, a)) / cosInside;
+FiberAttenuation fiberAttenuation(FiberModel model, FiberPath path, float h) {
+  float reflected = fresnelReflectance(path.cosEye * otherLeg(h), model.ior);
+  float chord = path.twiceLength * otherLeg(h * path.inverseCross);
   float3 through = exp(-model.absorption * chord);
 
   FiberAttenuation result;
@@ -174,52 +193,28 @@ FiberAttenuation fiberAttenuation(FiberModel model, FiberAngles a, float h) {
   return result;
 }
 
-// Number of turns from -pi to x.
-float azimuthTurns(float x) { return floor((x + kShadingPi) / (2.0 * kShadingPi)); }
-
-// The periodic cut logistic (Chiang et al. 2016, equation 11).
-float azimuthalDensity(float x, float s) {
-  float e = exp(-abs(x - 2.0 * kShadingPi * azimuthTurns(x)) / s);
-  float cut = exp(-kShadingPi / s);
-  return e / (s * (1.0 + e) * (1.0 + e)) * (1.0 + cut) / (1.0 - cut);
-}
-
-// Returns its integral from -pi to x.
-float azimuthalIntegral(float x, float s) {
-  float turns = azimuthTurns(x);
-  float rest = x - 2.0 * kShadingPi * turns;
-  float e = exp(-abs(rest) / s);
-  float share = (rest < 0.0 ? e : 1.0) / (1.0 + e);
-  float cut = exp(-kShadingPi / s);
-  cut = cut / (1.0 + cut);
-  return turns + (share - cut) / (1.0 - 2.0 * cut);
-}
-
-// Values at the azimuths where parts of the fiber's width end, of R, TT and TRT.
-struct LobeEnds {
-  float3 x;
-  float3 integral;
+// The periodic cut logistic (Chiang et al. 2016, equation 11) at the azimuths of R, TT and TRT.
+struct AzimuthalLobes {
+  float3 density;
+  float3 integral;  // from -pi
 };
 
-LobeEnds lobeEnds(float3 x, float s) {
-  LobeEnds ends;
-  ends.x = x;
-  ends.integral =
-      float3(azimuthalIntegral(x.x, s), azimuthalIntegral(x.y, s), azimuthalIntegral(x.z, s));
-  return ends;
-}
-
-// Returns the mean density from x to y. \param integral from x to y
-float meanAzimuthalDensity(float x, float y, float integral, float s) {
-  if (abs(y - x) < 1e-3) return azimuthalDensity(0.5 * (x + y), s);
-  return max(integral / (y - x), 0.0);
-}
-
-float3 meanAzimuthalDensities(LobeEnds a, LobeEnds b, float s) {
-  float3 integral = b.integral - a.integral;
-  return float3(meanAzimuthalDensity(a.x.x, b.x.x, integral.x, s),
-                meanAzimuthalDensity(a.x.y, b.x.y, integral.y, s),
-                meanAzimuthalDensity(a.x.z, b.x.z, integral.z, s));
+AzimuthalLobes azimuthalLobes(FiberModel model, float3 x) {
+  float3 turns = floor(x * (0.5 / kShadingPi) + 0.5);
+  float3 rest = x - 2.0 * kShadingPi * turns;
+  float3 e = exp(-abs(rest) / model.logisticScale);
+  float3 above = 1.0 / (1.0 + e);
+  float3 below = e * above;
+  float3 share = float3(rest.x < 0.0 ? below.x : above.x, rest.y < 0.0 ? below.y : above.y,
+                        rest.z < 0.0 ? below.z : above.z);
+  // What the whole logistic has on one side of -pi..pi.
+  float cut = exp(-kShadingPi / model.logisticScale);
+  cut /= 1.0 + cut;
+  float scale = 1.0 / (1.0 - 2.0 * cut);
+  AzimuthalLobes lobes;
+  lobes.density = above * below * (scale / model.logisticScale);
+  lobes.integral = turns + (share - cut) * scale;
+  return lobes;
 }
 
 // Abramowitz and Stegun 4.4.46: error under 1e-7. Those of drivers may be off by 2e-4, which is
@@ -239,22 +234,20 @@ float arcSine(float x) {
 }
 
 // Azimuths at which smooth R, TT and TRT leave at offset h (Chiang et al. 2016, section 4.2), h
-// positive on the side of positive azimuths.
-float3 lobeAzimuths(float crossIor, float h) {
+// positive on the side of positive azimuths. Those of -h are minus these, plus whole turns.
+float3 lobeAzimuths(FiberPath path, float h) {
   float entry = 2.0 * arcSine(h);
-  float passage = kShadingPi - 2.0 * arcSine(h / crossIor);
+  float passage = kShadingPi - 2.0 * arcSine(h * path.inverseCross);
   return float3(entry, entry + passage, entry + 2.0 * passage);
 }
 
 // Scattering of light that meets the fiber at offset h of the eye's ray: f cos(theta), [1/sr].
-float3 nearFiberScattering(FiberModel model, FiberAngles a, float h) {
-  float4 lobes = longitudinalLobes(model, a);
-  FiberAttenuation shares = fiberAttenuation(model, a, h);
-  float3 offset = a.azimuth - lobeAzimuths(crossSectionIor(model, a), h);
-  float s = model.logisticScale;
-  return lobes.x * azimuthalDensity(offset.x, s) * shares.r +
-         lobes.y * azimuthalDensity(offset.y, s) * shares.tt +
-         lobes.z * azimuthalDensity(offset.z, s) * shares.trt +
+// \param lobes longitudinalLobes()
+float3 nearFiberScattering(FiberModel model, FiberAngles a, float4 lobes, float h) {
+  FiberPath path = fiberPath(model, a);
+  FiberAttenuation shares = fiberAttenuation(model, path, h);
+  float3 around = lobes.xyz * azimuthalLobes(model, a.azimuth - lobeAzimuths(path, h)).density;
+  return around.x * shares.r + around.y * shares.tt + around.z * shares.trt +
          lobes.w / (2.0 * kShadingPi) * shares.rest;
 }
 
@@ -267,27 +260,32 @@ static const float kFiberPartMiddles[4] = {0.2667, 0.6623, 0.8770, 0.9856};
 
 // Returns the mean of nearFiberScattering over the fiber's width. In each part the mean of the
 // logistic is exact, so no point of the width appears as its own lobe, and energy is conserved.
-float3 fiberScattering(FiberModel model, FiberAngles a) {
-  float4 lobes = longitudinalLobes(model, a);
-  float crossIor = crossSectionIor(model, a);
-  float s = model.logisticScale;
+float3 fiberScattering(FiberModel model, FiberAngles a, float4 lobes) {
+  FiberPath path = fiberPath(model, a);
   float3 sum = float3(0.0, 0.0, 0.0);
-  // The two halves are mirror images.
-  LobeEnds innerRight = lobeEnds(a.azimuth - lobeAzimuths(crossIor, 0.0), s);
-  LobeEnds innerLeft = innerRight;
+  // The two halves are mirror images: their parts end at the azimuths -x and x of each lobe.
+  float3 innerEnd = float3(0.0, kShadingPi, 2.0 * kShadingPi);
+  float3 innerIntegral = float3(0.0, 1.0, 2.0);
   [unroll] for (uint part = 0u; part < kFiberParts; ++part) {
-    float from = kFiberPartEnds[part];
     float to = kFiberPartEnds[part + 1u];
-    LobeEnds outerRight = lobeEnds(a.azimuth - lobeAzimuths(crossIor, to), s);
-    LobeEnds outerLeft = lobeEnds(a.azimuth - lobeAzimuths(crossIor, -to), s);
-    float3 scattered = 0.5 * lobes.xyz *
-                       (meanAzimuthalDensities(innerRight, outerRight, s) +
-                        meanAzimuthalDensities(innerLeft, outerLeft, s));
-    FiberAttenuation shares = fiberAttenuation(model, a, kFiberPartMiddles[part]);
-    sum += (to - from) * (scattered.x * shares.r + scattered.y * shares.tt +
-                          scattered.z * shares.trt + lobes.w / (2.0 * kShadingPi) * shares.rest);
-    innerRight = outerRight;
-    innerLeft = outerLeft;
+    float3 end = lobeAzimuths(path, to);
+    AzimuthalLobes left = azimuthalLobes(model, a.azimuth + end);
+    AzimuthalLobes right = azimuthalLobes(model, a.azimuth - end);
+    float3 integral = left.integral - right.integral;
+    float3 width = end - innerEnd;
+    float3 density = max((integral - innerIntegral) / width, float3(0.0, 0.0, 0.0));
+    // Sharp, or a difference of equal numbers.
+    float3 narrow = left.density + right.density;
+    density = float3(abs(width.x) < 1e-3 ? narrow.x : density.x,
+                     abs(width.y) < 1e-3 ? narrow.y : density.y,
+                     abs(width.z) < 1e-3 ? narrow.z : density.z);
+    float3 scattered = 0.5 * lobes.xyz * density;
+    FiberAttenuation shares = fiberAttenuation(model, path, kFiberPartMiddles[part]);
+    sum += (to - kFiberPartEnds[part]) *
+           (scattered.x * shares.r + scattered.y * shares.tt + scattered.z * shares.trt +
+            lobes.w / (2.0 * kShadingPi) * shares.rest);
+    innerEnd = end;
+    innerIntegral = integral;
   }
   return sum;
 }

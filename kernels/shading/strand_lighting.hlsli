@@ -66,9 +66,10 @@ float3 shadeStrand(StrandShading m, StrandSurface s, float3 toLight) {
 
   FiberModel fiber = makeFiberModel(m.fiber, base);
   FiberAngles angles = fiberAngles(tangent, eye, light);
+  float4 lobes = longitudinalLobes(fiber, angles);
   float3 single = m.model.x == kStrandNearFiber
-                      ? nearFiberScattering(fiber, angles, bounded(s.offset, -1.0, 1.0))
-                      : fiberScattering(fiber, angles);
+                      ? nearFiberScattering(fiber, angles, lobes, bounded(s.offset, -1.0, 1.0))
+                      : fiberScattering(fiber, angles, lobes);
   // Isotropic in the sense of Kajiya and Kay: f = base / pi^2 reflects `base` of the incoming
   // light.
   float share = bounded(m.body.z, 0.0, 1.0);

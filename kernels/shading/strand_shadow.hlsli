@@ -24,23 +24,24 @@ float2 opticalDepthsAt(StrandShadowView map, int x, int y, float depth) {
   uint nearest = SHADOW_WORDS[map.firstWord + texel];
   bool hasHair = inside && nearest != kNoHair;
   float behind = hasHair ? max(depth - map.bias - asfloat(nearest), 0.0) : 0.0;
-  if (map.layerCount == 0u) {
-    // Where hair ends is not known.
-    float front = behind * map.extinction;
-    return hasHair ? float2(front, front + kEndlessHair) : float2(0.0, 0.0);
-  }
-
-  uint firstLayer = firstLayerOf(map, texel);
-  float layers = float(map.layerCount);
-  float layer = min(floor(sqrt(behind / map.layerRange) * layers), layers - 1.0);
+  bool layered = map.layerCount != 0u;
+  uint firstLayer = layered ? firstLayerOf(map, texel) : map.firstWord;
+  uint count = max(map.layerCount, 1u);
+  float layers = float(count);
+  float layer = layered ? min(floor(sqrt(behind / map.layerRange) * layers), layers - 1.0) : 0.0;
   float2 ends = float2(layer, layer + 1.0) / layers;
   ends = ends * ends * map.layerRange;
   float share = saturate((behind - ends.x) / (ends.y - ends.x));
   uint last = firstLayer + uint(layer);
-  float all = float(SHADOW_WORDS[firstLayer + map.layerCount - 1u]) * map.tauQuantum;
+  float all = float(SHADOW_WORDS[firstLayer + count - 1u]) * map.tauQuantum;
   float low = layer > 0.0 ? float(SHADOW_WORDS[max(last, 1u) - 1u]) : 0.0;
   float high = float(SHADOW_WORDS[last]);
   float front = (low + (high - low) * share) * map.tauQuantum;
+  if (!layered) {
+    // Where hair ends is not known.
+    front = behind * map.extinction;
+    all = front + kEndlessHair;
+  }
   return hasHair ? float2(behind > 0.0 ? front : 0.0, all) : float2(0.0, 0.0);
 }
 
@@ -62,12 +63,12 @@ ShadowPoint shadowPoint(StrandShadowView map, float3 position) {
   at = onShadowFace(map, face, at);
   place.map = shadowFace(map, face);
   place.depth = at.z;
-  if (!(at.w >= map.nearW)) return place;
   place.texel = at.xy / at.w - 0.5;
   float2 size = float2(float(map.width), float(map.height));
   // NaN fails these tests, too.
-  place.known = min(place.texel.x, place.texel.y) > -1.0 && place.texel.x < size.x &&
-                place.texel.y < size.y && place.depth > 0.0 && place.depth < 1e30;
+  place.known = at.w >= map.nearW && min(place.texel.x, place.texel.y) > -1.0 &&
+                place.texel.x < size.x && place.texel.y < size.y && place.depth > 0.0 &&
+                place.depth < 1e30;
   place.map.bias *= at.w;
   if (isProjective(map)) {
     // The distance along a ray is longer than that along the axis.
