@@ -23,44 +23,44 @@ Contact findContact(Collider shape, float3 p, float begin, float end) {
   contact.penetration = -1e18;
   contact.surfaceMotion = float3(0.0, 0.0, 0.0);
   contact.friction = 0.0;
-  if (!isUsable(shape.head) || !isUsable(shape.tail) || !isUsable(shape.headBefore) ||
-      !isUsable(shape.tailBefore.xyz) || !isUsable(shape.spin.xyz))
-    return contact;
-  float3 headBefore = shape.headBefore.xyz;
-  float3 tailBefore = shape.tailBefore.xyz;
-  precise float3 headDisplacement = shape.head.xyz - headBefore;
-  precise float3 tailDisplacement = shape.tail.xyz - tailBefore;
-  precise float3 headTo = headBefore + headDisplacement * end;
-  precise float3 tailTo = tailBefore + tailDisplacement * end;
-  precise float3 headFrom = headBefore + headDisplacement * begin;
-  precise float3 tailFrom = tailBefore + tailDisplacement * begin;
-  precise float3 axis = tailTo - headTo;
-  precise float3 arm = p - headTo;
-  precise float squared = dot3(axis, axis);
-  precise float taper = shape.head.w - shape.tail.w;
-  precise float taper2 = taper * taper;
-  precise float t = taper >= 0.0 ? 0.0 : 1.0;
-  if (squared > taper2 && squared > 1e-16) {
-    precise float along = dot3(arm, axis) / squared;
-    precise float3 off = arm - axis * along;
-    precise float wide = squareRoot(dot3(off, off)) * taper;
-    precise float shift = wide / squareRoot(squared * max(squared - taper2, 1e-16));
-    precise float parameter = along - shift;
-    t = min(max(parameter, 0.0), 1.0);
+  if (isUsable(shape.head) && isUsable(shape.tail) && isUsable(shape.headBefore) &&
+      isUsable(shape.tailBefore.xyz) && isUsable(shape.spin.xyz)) {
+    float3 headBefore = shape.headBefore.xyz;
+    float3 tailBefore = shape.tailBefore.xyz;
+    precise float3 headDisplacement = shape.head.xyz - headBefore;
+    precise float3 tailDisplacement = shape.tail.xyz - tailBefore;
+    precise float3 headTo = headBefore + headDisplacement * end;
+    precise float3 tailTo = tailBefore + tailDisplacement * end;
+    precise float3 headFrom = headBefore + headDisplacement * begin;
+    precise float3 tailFrom = tailBefore + tailDisplacement * begin;
+    precise float3 axis = tailTo - headTo;
+    precise float3 arm = p - headTo;
+    precise float squared = dot3(axis, axis);
+    precise float taper = shape.head.w - shape.tail.w;
+    precise float taper2 = taper * taper;
+    precise float t = taper >= 0.0 ? 0.0 : 1.0;
+    if (squared > taper2 && squared > 1e-16) {
+      precise float along = dot3(arm, axis) / squared;
+      precise float3 off = arm - axis * along;
+      precise float wide = squareRoot(dot3(off, off)) * taper;
+      precise float shift = wide / squareRoot(squared * max(squared - taper2, 1e-16));
+      precise float parameter = along - shift;
+      t = min(max(parameter, 0.0), 1.0);
+    }
+    precise float3 center = headTo + axis * t;
+    precise float3 outward = p - center;
+    float distance = squareRoot(max(dot3(outward, outward), 1e-20));
+    precise float3 normal = outward * (1.0 / distance);
+    precise float penetration = shape.head.w - taper * t - distance;
+    precise float3 before = headFrom + (tailFrom - headFrom) * t;
+    precise float3 spinMotion =
+        cross3(shape.spin.xyz, normal * (shape.head.w - taper * t)) * (end - begin);
+    precise float3 surfaceMotion = center - before + spinMotion;
+    contact.normal = normal;
+    contact.penetration = penetration;
+    contact.surfaceMotion = surfaceMotion;
+    contact.friction = shape.headBefore.w;
   }
-  precise float3 center = headTo + axis * t;
-  precise float3 outward = p - center;
-  float distance = squareRoot(max(dot3(outward, outward), 1e-20));
-  precise float3 normal = outward * (1.0 / distance);
-  precise float penetration = shape.head.w - taper * t - distance;
-  precise float3 before = headFrom + (tailFrom - headFrom) * t;
-  precise float3 spinMotion =
-      cross3(shape.spin.xyz, normal * (shape.head.w - taper * t)) * (end - begin);
-  precise float3 surfaceMotion = center - before + spinMotion;
-  contact.normal = normal;
-  contact.penetration = penetration;
-  contact.surfaceMotion = surfaceMotion;
-  contact.friction = shape.headBefore.w;
   return contact;
 }
 
@@ -116,26 +116,26 @@ Contact sweepCapsule(Collider shape, float3 from, float3 p, float begin, float e
       start = from + last.surfaceMotion;
       precise float3 displacement = p - start;
       size = squareRoot(dot3(displacement, displacement));
-      if (!(size > kSweepFrom * min(shape.head.w, shape.tail.w)) || last.penetration < -1e17)
-        return last;
+      if (!(size > kSweepFrom * min(shape.head.w, shape.tail.w)) || last.penetration < -1e17) break;
       direction = displacement * (1.0 / max(size, 1e-20));
-      continue;
+    } else {
+      if (i == 1u) {
+        float deepest = 0.0;
+        if (rests && contact.penetration > -kSweepContact) deepest = -1e18;
+        if (!(dot3(contact.normal, last.normal) > 0.0)) deepest = rests ? kSweepContact : 1e18;
+        if (!(contact.penetration < deepest)) break;
+      }
+      if (contact.penetration > -kSweepContact) {
+        precise float3 left = p - (start + direction * s);
+        precise float penetration = contact.penetration - dot3(contact.normal, left);
+        contact.penetration = penetration;
+        contact.surfaceMotion = last.surfaceMotion;
+        last = contact;
+        break;
+      }
+      s = s - contact.penetration;
+      if (!(s < size)) break;
     }
-    if (i == 1u) {
-      float deepest = 0.0;
-      if (rests && contact.penetration > -kSweepContact) deepest = -1e18;
-      if (!(dot3(contact.normal, last.normal) > 0.0)) deepest = rests ? kSweepContact : 1e18;
-      if (!(contact.penetration < deepest)) return last;
-    }
-    if (contact.penetration > -kSweepContact) {
-      precise float3 left = p - (start + direction * s);
-      precise float penetration = contact.penetration - dot3(contact.normal, left);
-      contact.penetration = penetration;
-      contact.surfaceMotion = last.surfaceMotion;
-      return contact;
-    }
-    s = s - contact.penetration;
-    if (!(s < size)) return last;
   }
   return last;
 }

@@ -95,31 +95,29 @@ CapsuleReach capsuleReach(SweptVertex vertex) {
 // Returns true if a collider may be in range.
 bool mayCollide(SweptVertex vertex) {
   CapsuleReach reach = capsuleReach(vertex);
-  for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
-    if (mayTouchCapsule(CONTACT_CAPSULE(c), vertex.to, reach.path, vertex.end, reach.range,
-                        vertex.share))
-      return true;
+  bool may = false;
+  for (uint c = 0; c < CONTACT_CAPSULE_COUNT && !may; ++c) {
+    may = mayTouchCapsule(CONTACT_CAPSULE(c), vertex.to, reach.path, vertex.end, reach.range,
+                          vertex.share);
   }
 #if SDF
-  for (uint f = 0; f < CONTACT_SDF_COUNT; ++f) {
+  for (uint f = 0; f < CONTACT_SDF_COUNT && !may; ++f) {
     Sdf sdf = CONTACT_SDF(f);
     float3 motion = CONTACT_SDF_MOTION(f, sdf, vertex.to);
     float range = rangeOf(vertex, motion * (vertex.end - vertex.begin));
-    if (sdfMayBeInRange(sdf, vertex.from, vertex.to, vertex.relative,
-                        float2(vertex.begin, vertex.end), range, motion))
-      return true;
+    may = sdfMayBeInRange(sdf, vertex.from, vertex.to, vertex.relative,
+                          float2(vertex.begin, vertex.end), range, motion);
   }
 #endif
-  return false;
+  return may;
 }
 
 void keepDeepest(Found found, float range, inout Found first, inout Found second) {
   float depth = found.contact.penetration;
-  if (!(depth > -range)) return;
-  if (depth > first.contact.penetration) {
+  if (depth > -range && depth > first.contact.penetration) {
     second = first;
     first = found;
-  } else if (depth > second.contact.penetration) {
+  } else if (depth > -range && depth > second.contact.penetration) {
     second = found;
   }
 }
@@ -131,13 +129,13 @@ void findDeepest(SweptVertex vertex, out Found first, out Found second) {
   CapsuleReach reach = capsuleReach(vertex);
   for (uint c = 0; c < CONTACT_CAPSULE_COUNT; ++c) {
     Collider capsule = CONTACT_CAPSULE(c);
-    if (!mayTouchCapsule(capsule, vertex.to, reach.path, vertex.end, reach.range, vertex.share))
-      continue;
-    Found found;
-    found.contact =
-        sweepCapsule(capsule, vertex.from, vertex.to, vertex.begin, vertex.end, CONTACT_RESTS);
-    found.collider = min(c, kContactSdf - 1u);
-    keepDeepest(found, rangeOf(vertex, found.contact.surfaceMotion), first, second);
+    if (mayTouchCapsule(capsule, vertex.to, reach.path, vertex.end, reach.range, vertex.share)) {
+      Found found;
+      found.contact =
+          sweepCapsule(capsule, vertex.from, vertex.to, vertex.begin, vertex.end, CONTACT_RESTS);
+      found.collider = min(c, kContactSdf - 1u);
+      keepDeepest(found, rangeOf(vertex, found.contact.surfaceMotion), first, second);
+    }
   }
 #if SDF
   for (uint f = 0; f < CONTACT_SDF_COUNT; ++f) {

@@ -94,10 +94,10 @@ void prepareGuesses(uint index) {
 // Returns about how an SDF moves in the frame near p [m].
 float3 guessedMotion(uint f, Sdf sdf, float3 p) {
   precise float3 motion = float3(0.0, 0.0, 0.0);
-  if ((g_contactFlags & kMovingFlag) == 0u || !sdfMoves(sdf) || !isUsable(p)) return motion;
+  bool moves = (g_contactFlags & kMovingFlag) != 0u && sdfMoves(sdf) && isUsable(p);
   precise float3 at = (p - sdf.origin.xyz) * (1.0 / sdf.origin.w);
   float nearest = 1e18;
-  for (uint k = 0; k < kGuesses; ++k) {
+  for (uint k = 0; k < kGuesses && moves; ++k) {
     SdfGuess guess = s_guesses[kGuesses * min(f, kGuessedSdfs - 1u) + k];
     if (f >= kGuessedSdfs) guess = guessAt(sdf, k);
     precise float3 off = guess.at - at;
@@ -208,18 +208,21 @@ uint findRecords(uint entry, uint firstVertex) {
   Found first;
   Found second;
   findDeepest(swept, first, second);
-  if (first.collider == kContactCollider) return 0u;
-  bool more = second.collider != kContactCollider;
-  uint vertex = firstVertex + bit;
-  bool had = ((s_had[strand] >> bit) & 1u) != 0u;
-  uint element = (s_target[strand] + vertex) * kMaxContacts;
-  ContactRecord a = goOn(recordOf(first, swept.to), element, had);
-  ContactRecord b = goOn(recordOf(second, swept.to), element, had && more);
-  if (more) a.bits = a.bits | kContactMore;
-  storeRecord(element, a);
-  if (more) storeRecord(element + 1u, b);
-  if (g_contactStride > 0u) storeScratch(s_state[strand] + vertex * kTileStrands, a, b, more);
-  return more ? 2u : 1u;
+  uint count = 0u;
+  if (first.collider != kContactCollider) {
+    bool more = second.collider != kContactCollider;
+    uint vertex = firstVertex + bit;
+    bool had = ((s_had[strand] >> bit) & 1u) != 0u;
+    uint element = (s_target[strand] + vertex) * kMaxContacts;
+    ContactRecord a = goOn(recordOf(first, swept.to), element, had);
+    ContactRecord b = goOn(recordOf(second, swept.to), element, had && more);
+    if (more) a.bits = a.bits | kContactMore;
+    storeRecord(element, a);
+    if (more) storeRecord(element + 1u, b);
+    if (g_contactStride > 0u) storeScratch(s_state[strand] + vertex * kTileStrands, a, b, more);
+    count = more ? 2u : 1u;
+  }
+  return count;
 }
 
 // Element of g_contacts with the displacement of a strand's root.

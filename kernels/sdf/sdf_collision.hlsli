@@ -110,7 +110,7 @@ bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, floa
   bool moving = sdf.motionScale > 0.0 && sdf.surfaceStride >= 7u;
   precise float3 displacement = moving ? relative * inverseCell : b - a;
   precise float wanted = (sdf.margin + furthest) * inverseCell;
-  if (!isUsable(a) || !isUsable(b)) return false;
+  bool usable = isUsable(a) && isUsable(b);
   // Swept, and as far beyond: the surface may be that far from the end.
   precise float squared = dot3(displacement, displacement);
   if (dot3(motion, motion) > 0.0) {
@@ -122,12 +122,11 @@ bool sdfMayBeInRange(Sdf sdf, float3 before, float3 after, float3 relative, floa
   bool shifts = moving && end < 1.0;
   float range = shifts ? max(wanted, sdf.band) : wanted;
   SdfNear near = sdfNearOf(sdf, b, range);
-  if (near.may) return true;
   // Outside the grid only a bound of the distance is known.
   float3 last = float3(max(sdf.nodes.xyz, 1u) - 1u);
   precise float3 beside = max(max(-b, b - last), 0.0);
   precise float away = dot3(beside, beside);
-  return away > 0.0 && range >= sdf.band && away <= range * range;
+  return usable && (near.may || (away > 0.0 && range >= sdf.band && away <= range * range));
 }
 
 // \param before, after  the point at the start and the end of its path, in the space of
@@ -152,7 +151,7 @@ SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float e
   contact.from = a;
   contact.to = b;
   contact.stop = b;
-  if (!isUsable(a) || !isUsable(b)) return contact;
+  uint queries = isUsable(a) && isUsable(b) ? kSdfMostQueries : 0u;
 
   bool moving = sdf.motionScale > 0.0 && sdf.surfaceStride >= 7u;
   precise float left = 1.0 - end;
@@ -171,7 +170,7 @@ SdfContact sdfContact(Sdf sdf, float3 before, float3 after, float begin, float e
   mayBeLong = mayBeLong || dot3(against, against) > SDF_SWEEP_FROM * SDF_SWEEP_FROM;
   bool asks = moving && (left > 0.0 || mayBeLong);
   float range = asks ? max(wanted, sdf.band) : wanted;
-  [loop] for (uint query = 0; query < kSdfMostQueries; ++query) {
+  [loop] for (uint query = 0; query < queries; ++query) {
     SdfHit hit = sdfQuery(sdf, at, range);
     if (phase == kSdfSweeping) {
       precise float clear = hit.distance - margin;

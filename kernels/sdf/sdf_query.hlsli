@@ -63,27 +63,29 @@ SdfLocation sdfLocationOf(Sdf sdf, float3 p, uint shift) {
   location.share = float3(0.0, 0.0, 0.0);
   location.side = float3(1.0, 1.0, 1.0);
   uint3 nodes = sdf.nodes.xyz;
-  if (!isUsable(p) || min(nodes.x, min(nodes.y, nodes.z)) < 2u) return location;
   float3 last = float3(nodes - 1u);
-  if (min(p.x, min(p.y, p.z)) < 0.0 || p.x >= last.x || p.y >= last.y || p.z >= last.z)
-    return location;
-  uint3 most = (nodes - 1u) >> shift;
-  precise float3 q = p / float(1u << shift);
-  uint3 nearest = min(uint3(q + 0.5), most);
-  precise float3 off = q - float3(nearest);
-  bool3 back = bool3(off.x < 0.0 || nearest.x == most.x, off.y < 0.0 || nearest.y == most.y,
-                     off.z < 0.0 || nearest.z == most.z);
-  uint3 strides =
-      uint3(most.x > 0u ? 1u : 0u, most.y > 0u ? nodes.x : 0u, most.z > 0u ? nodes.x * nodes.y : 0u)
-      << shift;
-  location.inside = true;
-  location.node =
-      sdf.nodes.w + ((nearest.x + nodes.x * (nearest.y + nodes.y * nearest.z)) << shift);
-  location.onward = uint3(back.x ? 0u - strides.x : strides.x, back.y ? 0u - strides.y : strides.y,
-                          back.z ? 0u - strides.z : strides.z);
-  location.share = float3(back.x ? max(-off.x, 0.0) : off.x, back.y ? max(-off.y, 0.0) : off.y,
-                          back.z ? max(-off.z, 0.0) : off.z);
-  location.side = float3(back.x ? -1.0 : 1.0, back.y ? -1.0 : 1.0, back.z ? -1.0 : 1.0);
+  bool inside = isUsable(p) && min(nodes.x, min(nodes.y, nodes.z)) >= 2u &&
+                min(p.x, min(p.y, p.z)) >= 0.0 && p.x < last.x && p.y < last.y && p.z < last.z;
+  if (inside) {
+    uint3 most = (nodes - 1u) >> shift;
+    precise float3 q = p / float(1u << shift);
+    uint3 nearest = min(uint3(q + 0.5), most);
+    precise float3 off = q - float3(nearest);
+    bool3 back = bool3(off.x < 0.0 || nearest.x == most.x, off.y < 0.0 || nearest.y == most.y,
+                       off.z < 0.0 || nearest.z == most.z);
+    uint3 strides = uint3(most.x > 0u ? 1u : 0u, most.y > 0u ? nodes.x : 0u,
+                          most.z > 0u ? nodes.x * nodes.y : 0u)
+                    << shift;
+    location.inside = true;
+    location.node =
+        sdf.nodes.w + ((nearest.x + nodes.x * (nearest.y + nodes.y * nearest.z)) << shift);
+    location.onward =
+        uint3(back.x ? 0u - strides.x : strides.x, back.y ? 0u - strides.y : strides.y,
+              back.z ? 0u - strides.z : strides.z);
+    location.share = float3(back.x ? max(-off.x, 0.0) : off.x, back.y ? max(-off.y, 0.0) : off.y,
+                            back.z ? max(-off.z, 0.0) : off.z);
+    location.side = float3(back.x ? -1.0 : 1.0, back.y ? -1.0 : 1.0, back.z ? -1.0 : 1.0);
+  }
   return location;
 }
 
@@ -221,8 +223,9 @@ uint sdfTriangleAtFoot(Sdf sdf, float3 p, SdfClosest closest) {
   precise float share = size > kSdfFootRange ? kSdfFootRange / size : 1.0;
   precise float3 foot = p - closest.offset + aside * share;
   SdfLocation location = sdfLocationOf(sdf, foot, 0u);
-  if (!location.inside) return kSdfNone;
-  return sdfTriangles(sdf, SDF_KEYS[location.node].xxxx).x;
+  uint index = kSdfNone;
+  if (location.inside) index = sdfTriangles(sdf, SDF_KEYS[location.node].xxxx).x;
+  return index;
 }
 
 // Finds the nearest of the corners' triangles, and from there crosses to nearer ones.
@@ -329,23 +332,24 @@ SdfNear sdfNearOf(Sdf sdf, float3 p, float range) {
   SdfNear near = (SdfNear)0;
   near.distance = sdf.band;
   SdfLocation location = sdfLocationOf(sdf, p, 0u);
-  if (!location.inside) return near;
-  // The distance changes by at most the displacement: no corner may be further from the surface
-  // than the point's distance and the range together. For most points the nearest corner decides.
-  uint key = SDF_KEYS[location.node];
-  precise float first = sdfDistance(key, sdf.band, sdf.farRange, sdf.triangleBits);
-  precise float away = squareRoot(dot3(location.share, location.share));
-  precise float bound = first - away - kSdfKeyError;
-  near.distance = min(bound, sdf.band);
-  if (bound > range) return near;
-
-  near.cell = sdfCellOf(sdf, location, key);
-  precise float4 lowClear = max(near.cell.corners.low - (range + kSdfKeyError), 0.0);
-  precise float4 highClear = max(near.cell.corners.high - (range + kSdfKeyError), 0.0);
-  precise float4 lowBeyond = lowClear * lowClear - near.cell.lowOffset;
-  precise float4 highBeyond = highClear * highClear - near.cell.highOffset;
-  near.may = !(sdfGreatest(lowBeyond, highBeyond) > 0.0);
-  if (!near.may) near.distance = max(near.distance, range);
+  if (location.inside) {
+    // The distance changes by at most the displacement: no corner may be further from the surface
+    // than the point's distance and the range together. For most points the nearest corner decides.
+    uint key = SDF_KEYS[location.node];
+    precise float first = sdfDistance(key, sdf.band, sdf.farRange, sdf.triangleBits);
+    precise float away = squareRoot(dot3(location.share, location.share));
+    precise float bound = first - away - kSdfKeyError;
+    near.distance = min(bound, sdf.band);
+    if (!(bound > range)) {
+      near.cell = sdfCellOf(sdf, location, key);
+      precise float4 lowClear = max(near.cell.corners.low - (range + kSdfKeyError), 0.0);
+      precise float4 highClear = max(near.cell.corners.high - (range + kSdfKeyError), 0.0);
+      precise float4 lowBeyond = lowClear * lowClear - near.cell.lowOffset;
+      precise float4 highBeyond = highClear * highClear - near.cell.highOffset;
+      near.may = !(sdfGreatest(lowBeyond, highBeyond) > 0.0);
+      if (!near.may) near.distance = max(near.distance, range);
+    }
+  }
   return near;
 }
 
@@ -366,57 +370,60 @@ SdfHit sdfQuery(Sdf sdf, float3 p, float range) {
   hit.distance = near.distance;
   hit.normal = float3(0.0, 0.0, 0.0);
   hit.motion = float3(0.0, 0.0, 0.0);
-  if (!near.may) return hit;
-  SdfCell cell = near.cell;
-  uint4 low = sdfTriangles(sdf, cell.low);
-  uint4 high = sdfTriangles(sdf, cell.high);
-  uint4 any4 = min(low, high);
-  bool deep = sdfIsInside(cell.low.x) && min(min(any4.x, any4.y), min(any4.z, any4.w)) == kSdfNone;
+  if (near.may) {
+    SdfCell cell = near.cell;
+    uint4 low = sdfTriangles(sdf, cell.low);
+    uint4 high = sdfTriangles(sdf, cell.high);
+    uint4 any4 = min(low, high);
+    bool deep =
+        sdfIsInside(cell.low.x) && min(min(any4.x, any4.y), min(any4.z, any4.w)) == kSdfNone;
 #if SDF_DENSE
-  bool dense = sdf.triangleCount == 0u;
-  deep = deep && !dense;
+    bool dense = sdf.triangleCount == 0u;
+    deep = deep && !dense;
 #endif
-  bool within = sdfIsWithin(cell);
-  if (deep) {
-    // Only nodes of the coarse grid have triangles there.
-    SdfLocation coarse = sdfLocationOf(sdf, p, sdfCoarseShift(sdf.band));
-    cell = sdfCellOf(sdf, coarse, SDF_KEYS[coarse.node]);
-    low = sdfTriangles(sdf, cell.low);
-    high = sdfTriangles(sdf, cell.high);
-  }
-  SdfSlope slope = sdfTrilinear(cell.corners, cell.location);
+    bool within = sdfIsWithin(cell);
+    if (deep) {
+      // Only nodes of the coarse grid have triangles there.
+      SdfLocation coarse = sdfLocationOf(sdf, p, sdfCoarseShift(sdf.band));
+      cell = sdfCellOf(sdf, coarse, SDF_KEYS[coarse.node]);
+      low = sdfTriangles(sdf, cell.low);
+      high = sdfTriangles(sdf, cell.high);
+    }
+    SdfSlope slope = sdfTrilinear(cell.corners, cell.location);
 
 #if SDF_DENSE
-  if (dense) {
-    float3 none = float3(0.0, 0.0, 0.0);
-    hit.distance = slope.distance;
-    hit.normal = directionOr(slope.gradient, none);
-    hit.found = hit.distance < range && dot3(hit.normal, hit.normal) > 0.0;
-    return hit;
-  }
+    if (dense) {
+      float3 none = float3(0.0, 0.0, 0.0);
+      hit.distance = slope.distance;
+      hit.normal = directionOr(slope.gradient, none);
+      hit.found = hit.distance < range && dot3(hit.normal, hit.normal) > 0.0;
+      return hit;
+    }
 #endif
 #if SDF_CLOSEST_FEATURE
-  SdfClosest best = sdfClosestFeature(sdf, p, cell, low, high, slope, deep);
-  if (best.index == kSdfNone) return hit;
-  SdfSide side = sdfSideOf(sdf, best, slope.distance < 0.0);
-  hit.distance = side.distance;
-  hit.normal = side.normal;
-  // Overlapping meshes have sheets inside: the point is inside, whichever sheet is nearest.
-  if (within && hit.distance > kSdfContact) {
-    hit.distance = min(slope.distance, 0.0);
-    hit.normal = directionOr(slope.gradient, side.normal);
-  }
-  hit.found = hit.distance < range;
-  if (hit.found) hit.motion = sdfMotionAt(sdf, best.index, best.weights);
+    SdfClosest best = sdfClosestFeature(sdf, p, cell, low, high, slope, deep);
+    if (best.index != kSdfNone) {
+      SdfSide side = sdfSideOf(sdf, best, slope.distance < 0.0);
+      hit.distance = side.distance;
+      hit.normal = side.normal;
+      // Overlapping meshes have sheets inside: the point is inside, whichever sheet is nearest.
+      if (within && hit.distance > kSdfContact) {
+        hit.distance = min(slope.distance, 0.0);
+        hit.normal = directionOr(slope.gradient, side.normal);
+      }
+      hit.found = hit.distance < range;
+      if (hit.found) hit.motion = sdfMotionAt(sdf, best.index, best.weights);
+    }
 #else
-  hit.distance = slope.distance;
-  float3 none = float3(0.0, 0.0, 0.0);
-  hit.normal = directionOr(slope.gradient, none);
-  hit.found = hit.distance < range && dot3(hit.normal, hit.normal) > 0.0;
-  uint known = low.x;
-  if (hit.found && known != kSdfNone)
-    hit.motion = sdfMotionAt(sdf, known, float2(1.0 / 3.0, 1.0 / 3.0));
+    hit.distance = slope.distance;
+    float3 none = float3(0.0, 0.0, 0.0);
+    hit.normal = directionOr(slope.gradient, none);
+    hit.found = hit.distance < range && dot3(hit.normal, hit.normal) > 0.0;
+    uint known = low.x;
+    if (hit.found && known != kSdfNone)
+      hit.motion = sdfMotionAt(sdf, known, float2(1.0 / 3.0, 1.0 / 3.0));
 #endif
+  }
   return hit;
 }
 

@@ -41,29 +41,33 @@ void addFragment(StrandSegment segment, uint record, uint side, uint2 pixel) {
 #if OCCLUDED
   behind = depthKey(g_binDepth[pixel.y * g_binWidth + pixel.x], reversed);
 #endif
-  if (segment.keys.x >= behind) return;
-  uint tile = (pixel.y >> kTileShift) * g_binTileColumns + (pixel.x >> kTileShift);
-  uint word = 64u * tile + ((pixel.y & 7u) << kTileShift) + (pixel.x & 7u);
+  if (segment.keys.x < behind) {
+    uint tile = (pixel.y >> kTileShift) * g_binTileColumns + (pixel.x >> kTileShift);
+    uint word = 64u * tile + ((pixel.y & 7u) << kTileShift) + (pixel.x & 7u);
 #if FILL
-  if (g_binTiles[g_binTileCount + tile] - g_binRoundBegin >= g_binRoundSpan) return;
-  uint end;
-  InterlockedAdd(g_binPixels[word], 1u, end);
-  uint slot = end - g_binRoundBegin;
-  if (slot >= g_binCapacity) return;
-  SegmentPoint found = pointAt(segment, side, float2(pixel) + 0.5, reversed);
-  float2 first = unpackHalves(g_binRecords[kRecordWords * record + 2u].z);
-  float2 second = unpackHalves(g_binRecords[kRecordWords * record + kRecordWords + 2u].z);
-  float opacity = first.y + (second.y - first.y) * found.share;
-  TileFragment fragment;
-  fragment.key = found.key;
-  fragment.root = 0u;
-  if (found.coverage > 0.0 && found.key < behind)
-    fragment.root = roundedRoot(saturate(opacity * found.coverage), kTileRoots);
-  fragment.segment = 2u * record + side;
-  g_binFragments[slot] = packTileFragment(fragment, g_binSegmentBits);
+    uint slot = g_binCapacity;
+    if (g_binTiles[g_binTileCount + tile] - g_binRoundBegin < g_binRoundSpan) {
+      uint end;
+      InterlockedAdd(g_binPixels[word], 1u, end);
+      slot = end - g_binRoundBegin;
+    }
+    if (slot < g_binCapacity) {
+      SegmentPoint found = pointAt(segment, side, float2(pixel) + 0.5, reversed);
+      float2 first = unpackHalves(g_binRecords[kRecordWords * record + 2u].z);
+      float2 second = unpackHalves(g_binRecords[kRecordWords * record + kRecordWords + 2u].z);
+      float opacity = first.y + (second.y - first.y) * found.share;
+      TileFragment fragment;
+      fragment.key = found.key;
+      fragment.root = 0u;
+      if (found.coverage > 0.0 && found.key < behind)
+        fragment.root = roundedRoot(saturate(opacity * found.coverage), kTileRoots);
+      fragment.segment = 2u * record + side;
+      g_binFragments[slot] = packTileFragment(fragment, g_binSegmentBits);
+    }
 #else
-  InterlockedAdd(g_binPixels[word], 1u);
+    InterlockedAdd(g_binPixels[word], 1u);
 #endif
+  }
 }
 
 // Twice the areas of the edges 12, 20, 01 and 21, 13, 32 with a pixel, whose signs say on which side
@@ -103,25 +107,16 @@ int2 gridPoint(float2 corner, float2 center) { return int2((corner - center) * 2
 // Pixels of a slice on the inner side of an edge: those from x to y.
 // \param area at the first pixel. \param step from pixel to pixel.
 int2 clipSlice(int2 slice, int area, int step) {
-  if (step == 0) return area < 0 ? int2(1, 0) : slice;
   // The quotient of floats is one off at most.
+  int forward = step > 0 ? 1 : -1;
   float crossing = clamp(float(area) / float(-step), -1.0, float(slice.y) + 1.0);
-  if (step > 0) {
-    int begin = int(ceil(crossing));
-    if (area + step * begin < 0)
-      ++begin;
-    else if (area + step * (begin - 1) >= 0)
-      --begin;
-    slice.x = max(slice.x, begin);
-  } else {
-    int end = int(floor(crossing));
-    if (area + step * end < 0)
-      --end;
-    else if (area + step * (end + 1) >= 0)
-      ++end;
-    slice.y = min(slice.y, end);
-  }
-  return slice;
+  int limit = int(step > 0 ? ceil(crossing) : floor(crossing));
+  int there = area + step * limit;
+  limit += there < 0 ? forward : (there - step * forward >= 0 ? -forward : 0);
+  int2 cut =
+      int2(step > 0 ? max(slice.x, limit) : slice.x, step > 0 ? slice.y : min(slice.y, limit));
+  int2 whole = area < 0 ? int2(1, 0) : slice;
+  return step == 0 ? whole : cut;
 }
 
 void rasterSlice(uint record, uint own, int along) {

@@ -147,15 +147,16 @@ SegmentPoint pointAt(StrandSegment segment, uint side, float2 at, bool reversed)
   float4 weights = areas / dot(areas, segment.w.xxyy);
   float2 ends = weights.xz + weights.yw;
   float depth = dot(ends, segment.z);
-  if (!(depth >= -1e-6) || !(depth <= 1.0 + 1e-6)) return found;
-  // Clamped: rounding must not leave the segment.
-  found.key = clamp(depthKey(depth, reversed), segment.keys.x, segment.keys.y);
-  // Linear on the screen: distance and width times w.
-  float distance = dot(weights.yw - weights.xz, segment.w * segment.extent);
-  found.coverage = ribbonCoverage(distance, dot(ends, segment.w * segment.halfWidth));
-  // With perspective.
-  float2 bent = ends * segment.share;
-  found.share = saturate(bent.y / (bent.x + bent.y));
+  if (depth >= -1e-6 && depth <= 1.0 + 1e-6) {
+    // Clamped: rounding must not leave the segment.
+    found.key = clamp(depthKey(depth, reversed), segment.keys.x, segment.keys.y);
+    // Linear on the screen: distance and width times w.
+    float distance = dot(weights.yw - weights.xz, segment.w * segment.extent);
+    found.coverage = ribbonCoverage(distance, dot(ends, segment.w * segment.halfWidth));
+    // With perspective.
+    float2 bent = ends * segment.share;
+    found.share = saturate(bent.y / (bent.x + bent.y));
+  }
   return found;
 }
 
