@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures frames, for docs/performance.md: replaces OUT_DIR/frames_<device>.csv and, beside it,
-# _passes.csv, _drawing.csv and _drawing_passes.csv, and prints a table of medians in us.
+# Measures whole frames, for docs/performance.md: replaces OUT_DIR/frames_<device>_drawing.csv and
+# _drawing_passes.csv, and prints a table of medians in us.
 #   benchmark/run_frames.sh TOOL OUT_DIR DEVICE
 # TOOL is pelage-scene-benchmark; DEVICE names the files: h200, lavapipe, llvmpipe. A software driver
 # gets few strands and frames. Variables:
@@ -8,21 +8,17 @@
 #   RUNS  of a row at most, while the copies beside it take different times (2)
 set -euo pipefail
 source "$(dirname "$0")/run_options.sh" frames "$@"
-rm -f "${csv%.csv}"_{passes,drawing,drawing_passes}.csv
+rm -f "${csv%.csv}"_{drawing,drawing_passes}.csv
 size=(--frames 60)
 case $csv in *lavapipe.csv | *llvmpipe.csv) size=(--small --frames 2 --warm-up 2) ;; esac
 for api in ${APIS:-vulkan gl}; do
   "$tool" --csv "$csv" --commit "$commit" --api "$api" --method tiles --runs "${RUNS:-2}" "${size[@]}" \
-    --filter draw/alone draw_far/alone draw_10x/alone characters_4/exact/guides characters_12/exact/guides
+    --filter draw/alone draw_far/alone draw_10x/alone draw_4/alone draw_12/alone
 done
 
-# Columns of a CSV file with these names.
-columns() {
-  awk -F, -v names="$2" 'NR == 1 { for (i = 1; i <= NF; ++i) at[$i] = i; n = split(names, want, " ") }
-    NR > 1 { line = "|"; for (i = 1; i <= n; ++i) line = line " " $(at[want[i]]) " |"; print line }' "$1"
-}
-printf '\n| | row | picture | simulation | SDFs | shadows | all |\n|---|---|---|---|---|---|---|\n'
-columns "${csv%.csv}_drawing.csv" \
-  'api row picture_us_median simulation_us_median sdf_us_median shadow_us_median frame_us_median'
-printf '\n| | row | simulation | SDFs | all |\n|---|---|---|---|---|\n'
-columns "$csv" 'api scene simulation_us_median sdf_us_median frame_us_median'
+printf '\n| | row | picture | simulation | SDFs | shadows | all | bytes of buffers |\n|---|---|---|---|---|---|---|---|\n'
+names='api row picture_us_median simulation_us_median sdf_us_median shadow_us_median frame_us_median bytes'
+awk -F, -v names="$names" '
+  NR == 1 { for (i = 1; i <= NF; ++i) at[$i] = i; n = split(names, want, " ") }
+  NR > 1 { line = "|"; for (i = 1; i <= n; ++i) line = line " " $(at[want[i]]) " |"; print line }
+' "${csv%.csv}_drawing.csv"

@@ -46,11 +46,12 @@ Result<DrawingResult> measureOnce(Workbench& workbench, CopyReference& reference
   if (!run) return run.error();
   DrawingResult result;
   result.row = row;
-  for (const pelage::HairId id : (*run)->demo().hairs()) {
-    const pelage::HairObject& hair = workbench.scene.hair(id);
-    result.guides += hair.guideCount();
-    result.followHairs += hair.followCount();
-  }
+  for (const sample::DemoScene& demo : (*run)->demos())
+    for (const pelage::HairId id : demo.hairs()) {
+      const pelage::HairObject& hair = workbench.scene.hair(id);
+      result.guides += hair.guideCount();
+      result.followHairs += hair.followCount();
+    }
   if (row.extra == DrawingExtra::kPlayback)
     if (Result<void> done = (*run)->recordFrames(std::clamp(def.frames, 1, kPlayedFrames)); !done)
       return done.error();
@@ -63,6 +64,7 @@ Result<DrawingResult> measureOnce(Workbench& workbench, CopyReference& reference
   });
   if (!copies) return copies.error();
   result.copies = *copies;
+  result.bytes = workbench.device.bufferBytes();
   result.method = (*run)->method();
   result.meanLight = meanLightOf((*run)->picture());
   return result;

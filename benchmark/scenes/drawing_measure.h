@@ -20,6 +20,7 @@ struct DrawingResult {
   /// The most of a measured frame: fragments of lists, segments in tiles of tiles; of these without
   /// room.
   uint32_t fragments = 0, spilled = 0;
+  uint64_t bytes = 0;    ///< of all buffers at the end
   double meanLight = 0;  ///< of the last picture, over all pixels; NaN where one is not finite
   CopyTimes copies;      ///< beside the frames
   /// By how much the drawing groups take longer than in the row that draws nothing else [us].

@@ -18,7 +18,8 @@ std::string csvHeader() {
   for (size_t i = 0; i < kPassGroups; ++i)
     header += fmt::format(",{0}_us_median,{0}_us_mean", passGroupName(static_cast<PassGroup>(i)));
   return header +
-         ",show_us_median,show_us_mean,fragments,spilled,reference_us_before,reference_us_after,"
+         ",show_us_median,show_us_mean,fragments,spilled,bytes,reference_us_before,reference_us_"
+         "after,"
          "runs,device,driver\n";
 }
 
@@ -39,7 +40,7 @@ std::string csvRow(const DrawingResult& r) {
   for (size_t i = 0; i < kPassGroups; ++i)
     row += "," + spread(r.figures.of(static_cast<PassGroup>(i)), timed);
   row += "," + spread(spreadOf(r.showUs), !r.showUs.empty());
-  return row + fmt::format(",{},{},{},{},{}", r.fragments, r.spilled,
+  return row + fmt::format(",{},{},{},{},{},{}", r.fragments, r.spilled, r.bytes,
                            csvNumber(r.copies.before, r.copies.before > 0),
                            csvNumber(r.copies.after, r.copies.after > 0), r.copies.runs);
 }
@@ -58,8 +59,8 @@ std::string drawingTable(const std::vector<DrawingResult>& results) {
       first.height, drawingMethodName(results[0].method), "row", "frame", "drawing", "added");
   for (size_t i = 0; i < kPassGroups; ++i)
     text += fmt::format("{:>15}", passGroupName(static_cast<PassGroup>(i)));
-  text += fmt::format("{:>9}{:>11}{:>9}{:>9}{:>9}{:>5}\n", "show", "fragments", "spilled", "before",
-                      "after", "runs");
+  text += fmt::format("{:>9}{:>11}{:>9}{:>8}{:>9}{:>9}{:>5}\n", "show", "fragments", "spilled",
+                      "MB", "before", "after", "runs");
   for (const DrawingResult& r : results) {
     const bool timed = r.figures.isTimed();
     text += fmt::format(
@@ -67,9 +68,9 @@ std::string drawingTable(const std::vector<DrawingResult>& results) {
         shown(drawingTime(r.figures).median, timed), shown(r.added.median, timed && r.hasAdded));
     for (size_t i = 0; i < kPassGroups; ++i)
       text += fmt::format("{:>15}", shown(r.figures.of(static_cast<PassGroup>(i)).median, timed));
-    text += fmt::format("{:>9}{:>11}{:>9}{:>9}{:>9}{:>5}\n",
+    text += fmt::format("{:>9}{:>11}{:>9}{:>8}{:>9}{:>9}{:>5}\n",
                         shown(spreadOf(r.showUs).median, !r.showUs.empty()), r.fragments, r.spilled,
-                        shown(r.copies.before, r.copies.before > 0),
+                        r.bytes / 1000000, shown(r.copies.before, r.copies.before > 0),
                         shown(r.copies.after, r.copies.after > 0), r.copies.runs);
   }
   text += fmt::format("\n{:<20}{:<28}{:<15}{:>12}{:>12}{:>10}\n", "row", "pass", "group",

@@ -6,6 +6,8 @@ namespace {
 
 // Times the distance of the other rows: the character is some 90 pixels high.
 constexpr float kFar = 12;
+// Of many characters: each is some 200 pixels high.
+constexpr float kCrowd = 8;
 
 const char* extraName(DrawingExtra extra) {
   switch (extra) {
@@ -30,8 +32,14 @@ const char* extraName(DrawingExtra extra) {
 }  // namespace
 
 std::string DrawingRow::name() const {
-  const std::string scene = distance > 1 ? "draw_far/" : (tenfold ? "draw_10x/" : "draw/");
-  return scene + extraName(extra);
+  std::string scene = "draw";
+  if (characters > 1)
+    scene += "_" + std::to_string(characters);
+  else if (distance > 1)
+    scene += "_far";
+  else if (tenfold)
+    scene += "_10x";
+  return scene + "/" + extraName(extra);
 }
 
 std::vector<DrawingRow> drawingRows(SceneSize size) {
@@ -56,6 +64,14 @@ std::vector<DrawingRow> drawingRows(SceneSize size) {
     rows.push_back(row);
   }
   rows.push_back(far);
+  // A smoke test of many characters finds nothing more.
+  if (size == SceneSize::kQuick) return rows;
+  DrawingRow crowd = far;
+  crowd.distance = kCrowd;
+  for (const uint32_t characters : {4u, 12u}) {
+    crowd.characters = characters;
+    rows.push_back(crowd);
+  }
   return rows;
 }
 

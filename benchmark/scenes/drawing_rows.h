@@ -27,8 +27,10 @@ struct DrawingRow {
   uint32_t guides = 0;             ///< of the character's long hair
   uint32_t width = 0, height = 0;  ///< of the picture [pixels]
   uint32_t shadowSize = 0;         ///< of the shadow map [texels]
+  uint32_t characters = 1;         ///< beside and behind each other
 
-  /// "draw/alone", "draw/depth", ..., "draw_10x/alone", "draw_10x/playback", "draw_far/alone"
+  /// "draw/alone", "draw/depth", ..., "draw_10x/alone", "draw_10x/playback", "draw_far/alone",
+  /// "draw_12/alone"
   std::string name() const;
 };
 

@@ -6,6 +6,7 @@
 
 #include "engine_lights/code.h"
 #include "engine_lights/kernels.h"
+#include "scenes/characters.h"
 #include "scenes/scene_run.h"
 
 namespace bench {
@@ -56,9 +57,9 @@ Result<std::unique_ptr<DrawingRun>> DrawingRun::create(Workbench& workbench, Sce
   workbench.scene.setTier(workbench.device.info().tier);
   sample::DemoDef demoDef;
   demoDef.scene = &workbench.scene;
-  auto demo = DemoScene::create(**character, demoDef);
-  if (!demo) return demo.error();
-  std::unique_ptr<DrawingRun> run(new DrawingRun(workbench, *std::move(demo), row));
+  auto demos = makeCharacters(**character, demoDef, row.characters);
+  if (!demos) return demos.error();
+  std::unique_ptr<DrawingRun> run(new DrawingRun(workbench, *std::move(demos), row));
   run->def_ = def;
   if (row.extra == DrawingExtra::kEngineLights) {
     run->lights_ = {.kernels = engine_lights::allKernels(), .resources = rig.resources({})};
@@ -67,8 +68,8 @@ Result<std::unique_ptr<DrawingRun>> DrawingRun::create(Workbench& workbench, Sce
   return run;
 }
 
-DrawingRun::DrawingRun(Workbench& workbench, DemoScene demo, const DrawingRow& row)
-    : workbench_(workbench), demo_(std::move(demo)), row_(row) {
+DrawingRun::DrawingRun(Workbench& workbench, std::vector<DemoScene> demos, const DrawingRow& row)
+    : workbench_(workbench), demos_(std::move(demos)), demo_(demos_[0]), row_(row) {
   for (const pelage::HairId id : demo_.hairs()) {
     pelage::HairObject& hair = workbench.scene.hair(id);
     hair.tracksMotion = row.extra == DrawingExtra::kMotion;
@@ -141,13 +142,15 @@ Result<void> DrawingRun::write() {
     if (!us) return us.error();
     showUs_ = *us;
   }
-  if (Result<void> done = demo_.advance(simulation_); !done) return done;
+  if (Result<void> done = advanceAll(demos_, simulation_); !done) return done;
   choose();
   between_.clear();
   if (row_.extra == DrawingExtra::kInterpolation)
     if (Result<void> done = scene.interpolate(kShare, between_); !done) return done;
   lists_.resize(std::max<size_t>(lists_.size(), 1));
   lists_[0].clear();
+  for (size_t i = 1; i < demos_.size(); ++i)
+    if (Result<void> done = demos_[i].drawMeshes(view_, lists_[0]); !done) return done;
   if (Result<void> done = demo_.draw(view_, settings_, lists_); !done) return done;
   otherLists_.resize(std::max<size_t>(otherLists_.size(), 1));
   otherLists_[0].clear();
@@ -249,11 +252,16 @@ Result<void> DrawingRun::runFrame(FrameFigures* figures) {
   return show(figures);
 }
 
+uint64_t DrawingRun::vertexCount() const {
+  uint64_t count = 0;
+  for (const DemoScene& demo : demos_) count += demo.vertexCount();
+  return count;
+}
+
 Result<pelage::TransparencyCounters> DrawingRun::counters() {
   const auto words = workbench_.device.read(demo_.transparencyCounters());
   if (!words) return words.error();
-  const auto plan =
-      pelage::planTransparency(view_.width, view_.height, settings_, demo_.vertexCount());
+  const auto plan = pelage::planTransparency(view_.width, view_.height, settings_, vertexCount());
   if (!plan) return plan.error();
   return pelage::readTransparencyCounters(*words, plan->nodeCount);
 }
@@ -261,8 +269,7 @@ Result<pelage::TransparencyCounters> DrawingRun::counters() {
 Result<void> DrawingRun::grow() {
   const auto held = counters();
   if (!held) return held.error();
-  const auto plan =
-      pelage::planTransparency(view_.width, view_.height, settings_, demo_.vertexCount());
+  const auto plan = pelage::planTransparency(view_.width, view_.height, settings_, vertexCount());
   if (!plan) return plan.error();
   settings_.nodeCount = pelage::growNodes(*held, plan->nodeCount);
   return {};

@@ -1,4 +1,4 @@
-// The character of a row on a device, simulated with its colliders and drawn.
+// The characters of a row on a device, simulated with their colliders and drawn.
 #pragma once
 
 #include <memory>
@@ -51,7 +51,7 @@ class DrawingRun {
   /// Gives lists or tiles the room that the last frame wanted. They keep it in the next ones.
   pelage::Result<void> grow();
 
-  const sample::DemoScene& demo() const { return demo_; }
+  const std::vector<sample::DemoScene>& demos() const { return demos_; }
   /// How long the host took to set the positions of the last frame that was played [us].
   double showUs() const { return showUs_; }
   pelage::Transparency method() const { return settings_.method; }
@@ -59,7 +59,7 @@ class DrawingRun {
   const pelage::RenderedImage& picture() const { return picture_; }
 
  private:
-  DrawingRun(Workbench& workbench, sample::DemoScene demo, const DrawingRow& row);
+  DrawingRun(Workbench& workbench, std::vector<sample::DemoScene> demos, const DrawingRow& row);
   void choose();
   bool drawsDepth() const;
   pelage::Result<void> write();
@@ -69,10 +69,12 @@ class DrawingRun {
                                                  FrameFigures* figures);
   pelage::Result<void> show(FrameFigures* figures);
   PassGroup groupInSimulation(const pelage::PassList& list, const pelage::Pass& pass) const;
+  uint64_t vertexCount() const;
   PassGroup groupInPicture(const pelage::PassList& list, const pelage::Pass& pass) const;
 
   Workbench& workbench_;
-  sample::DemoScene demo_;
+  std::vector<sample::DemoScene> demos_;
+  sample::DemoScene& demo_;  ///< the first, whose light and camera are those of all
   DrawingRow row_;
   DrawingDef def_;
   std::optional<pelage::EngineLights> lights_;

@@ -6,6 +6,7 @@
 #include "head_motion.h"
 #include "pelage/skeleton.h"
 #include "scene_setup.h"
+#include "scenes/characters.h"
 #include "scenes/head_sdf.h"
 #include "simulation/strand_solver.h"
 
@@ -21,7 +22,6 @@ using sample::DemoScene;
 
 namespace {
 
-constexpr double kPhase = 0.37;  // of a character behind the one before it [s]
 constexpr uint32_t kBaselineSweeps = 2;
 constexpr uint32_t kBaselineVertices = 32;
 
@@ -74,19 +74,16 @@ class FreeRun : public SceneRun {
 /// A scene of the sample; errors are of this one, whatever others are in the workbench's scene.
 class DemoRun : public SceneRun {
  public:
-  DemoRun(DemoScene demo, std::vector<const pelage::HairAsset*> assets,
-          std::vector<const pelage::CollisionMesh*> meshes, std::vector<DemoScene> others = {})
-      : demo_(std::move(demo)),
+  DemoRun(std::vector<DemoScene> demos, std::vector<const pelage::HairAsset*> assets,
+          std::vector<const pelage::CollisionMesh*> meshes)
+      : demos_(std::move(demos)),
+        demo_(demos_[0]),
         assets_(std::move(assets)),
-        meshes_(std::move(meshes)),
-        others_(std::move(others)) {}
+        meshes_(std::move(meshes)) {}
 
   Result<void> advance(std::vector<PassList>& lists) override {
     lists.resize(1);
-    ++frame_;
-    for (size_t i = 0; i < others_.size(); ++i)
-      others_[i].pose(frame_ * kFrameSeconds + kPhase * static_cast<double>(i + 1));
-    Result<void> done = demo_.advance(lists[0]);
+    Result<void> done = advanceAll(demos_, lists[0]);
     if (done) demo_.finish(lists[0]);
     return done;
   }
@@ -108,11 +105,10 @@ class DemoRun : public SceneRun {
   bool isSdfBuffer(std::string_view name) const override { return bench::isSdfBuffer(demo_, name); }
 
  private:
-  DemoScene demo_;
+  std::vector<DemoScene> demos_;
+  DemoScene& demo_;  ///< the first
   std::vector<const pelage::HairAsset*> assets_;
   std::vector<const pelage::CollisionMesh*> meshes_;
-  std::vector<DemoScene> others_;
-  int frame_ = 0;
 };
 
 sample::DemoDef demoDefOf(Workbench& workbench, const SceneRow& row) {
@@ -136,36 +132,25 @@ Result<std::unique_ptr<SceneRun>> makeHeadRun(Workbench& workbench, const SceneR
   if (!demo) return demo.error();
   std::vector<const pelage::CollisionMesh*> meshes;
   if (used.mesh) meshes.push_back(&*(*head)->mesh);
+  std::vector<DemoScene> demos;
+  demos.push_back(*std::move(demo));
   return std::unique_ptr<SceneRun>(
-      std::make_unique<DemoRun>(*std::move(demo), std::vector{&(*head)->hair}, std::move(meshes)));
+      std::make_unique<DemoRun>(std::move(demos), std::vector{&(*head)->hair}, std::move(meshes)));
 }
 
 Result<std::unique_ptr<SceneRun>> makeCharacterRun(Workbench& workbench, const SceneRow& row,
                                                    SceneAssets& assets) {
   const auto character = assets.character(row.guides);
   if (!character) return character.error();
-  auto demo = DemoScene::create(**character, demoDefOf(workbench, row));
-  if (!demo) return demo.error();
-  std::vector<DemoScene> others;
-  while (others.size() + 1 < row.characters) {
-    auto other = DemoScene::create(**character, demoDefOf(workbench, row));
-    if (!other) return other.error();
-    others.push_back(*std::move(other));
-  }
-  // All are at one place, and each collides with its own body.
-  const auto separate = [&](const DemoScene& one) {
-    for (const pelage::HairId id : one.hairs())
-      workbench.scene.hair(id).setMeshColliders(one.colliders());
-  };
-  if (!others.empty()) separate(*demo);
-  for (const DemoScene& other : others) separate(other);
+  auto demos = makeCharacters(**character, demoDefOf(workbench, row), row.characters);
+  if (!demos) return demos.error();
   std::vector<const pelage::HairAsset*> hair;
   for (const pelage::CharacterGroom& groom : (*character)->grooms) hair.push_back(&groom.hair);
   std::vector<const pelage::CollisionMesh*> meshes;
   for (const pelage::CharacterCollider& collider : (*character)->colliders)
     meshes.push_back(&collider.mesh);
-  return std::unique_ptr<SceneRun>(std::make_unique<DemoRun>(*std::move(demo), std::move(hair),
-                                                             std::move(meshes), std::move(others)));
+  return std::unique_ptr<SceneRun>(
+      std::make_unique<DemoRun>(*std::move(demos), std::move(hair), std::move(meshes)));
 }
 
 /// The head by the classic baseline: its strands, then its SDF and the collision with it. Its mesh

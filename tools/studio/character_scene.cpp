@@ -39,6 +39,7 @@ Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& d
   DemoScene demo(def);
   demo.boneCount_ = static_cast<uint32_t>(character.skeleton.bones.size());
   demo.isCharacter_ = true;
+  demo.place_ = def.place;
   demo.setMotion(def.motion);
   demo.cameraDef_.direction = kCharacterCameraDirection;
   demo.cameraDef_.margin = 0.02f;
@@ -72,7 +73,8 @@ Result<DemoScene> DemoScene::create(const Character& character, const DemoDef& d
     sweepMesh(character.mesh, bones, points);
   }
   for (const Float3& p : points)
-    if (p.y > kFrameBottom && std::abs(p.x) < kFrameSide) demo.sweptPoints_.push_back(p);
+    if (p.y > kFrameBottom && std::abs(p.x - def.place.x) < kFrameSide)
+      demo.sweptPoints_.push_back(p);
   return demo;
 }
 

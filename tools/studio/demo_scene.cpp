@@ -344,8 +344,15 @@ void DemoScene::pose(double seconds, std::span<const pelage::CapsuleCollider> ot
 
 void DemoScene::setMotion(pelage::CharacterMotion motion) {
   if (!isCharacter_) return;
-  pose_ = [skeleton = pelage::characterSkeleton(), motion](double seconds) {
-    return pelage::skinningTransforms(skeleton, pelage::poseCharacter(motion, seconds));
+  pose_ = [skeleton = pelage::characterSkeleton(), motion, place = place_](double seconds) {
+    std::vector<AffineTransform> bones =
+        pelage::skinningTransforms(skeleton, pelage::poseCharacter(motion, seconds));
+    for (AffineTransform& bone : bones) {
+      bone.rows[0].w += place.x;
+      bone.rows[1].w += place.y;
+      bone.rows[2].w += place.z;
+    }
+    return bones;
   };
   cycle_ = pelage::characterCycle(motion);
 }

@@ -57,6 +57,7 @@ struct DemoDef {
   std::optional<pelage::Float3> wind;         ///< [m/s]; before `settings`
   GroomPreset preset = GroomPreset::kParted;  ///< the look of a generated groom
   pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;  ///< of a character
+  pelage::Float3 place;                                            ///< of a character [m]
   HeadCollider headCollider = HeadCollider::kCapsules;
   /// draw() shows the surfaces of the signed distance fields that hair collides with in place of
   /// the meshes. It changes nothing else.
@@ -238,6 +239,7 @@ class DemoScene {
   uint32_t boneCount_ = 1;
   pelage::CharacterCycle cycle_;
   bool isCharacter_ = false;
+  pelage::Float3 place_;
   CameraDef cameraDef_;
   std::vector<pelage::Float3> sweptPoints_;
   uint32_t frame_ = 0;
