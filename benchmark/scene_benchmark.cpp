@@ -168,8 +168,9 @@ class ApiRun {
     return bench::comparePictures(drawings_);
   }
 
-  // The row of as much hair that draws nothing else; nullptr: it has not run.
+  // The row of as much hair that draws nothing else; nullptr: it has not run, or is this one.
   const DrawingResult* aloneBeside(const DrawingRow& row) const {
+    if (row.extra == bench::DrawingExtra::kNone) return nullptr;
     for (const DrawingResult& one : drawings_)
       if (one.row.extra == bench::DrawingExtra::kNone && one.row.tenfold == row.tenfold)
         return &one;

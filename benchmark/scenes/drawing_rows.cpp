@@ -6,7 +6,7 @@ namespace {
 
 // Times the distance of the other rows: the character is some 90 pixels high.
 constexpr float kFar = 12;
-// Of many characters: each is some 200 pixels high.
+// The same where there are many characters: each is some 200 pixels high.
 constexpr float kCrowd = 8;
 
 const char* extraName(DrawingExtra extra) {

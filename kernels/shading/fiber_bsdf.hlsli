@@ -163,7 +163,7 @@ float crossSectionIor(FiberModel model, FiberAngles a) {
   return max(leg / max(a.cosEye, 1e-4), 1.0);
 }
 
-// What attenuation takes from the angle of the eye.
+// Values of attenuation that depend on the angle of the eye only.
 struct FiberPath {
   float cosEye;
   float inverseCross;  // 1 over the index of refraction of the cross-section
@@ -207,7 +207,7 @@ AzimuthalLobes azimuthalLobes(FiberModel model, float3 x) {
   float3 below = e * above;
   float3 share = float3(rest.x < 0.0 ? below.x : above.x, rest.y < 0.0 ? below.y : above.y,
                         rest.z < 0.0 ? below.z : above.z);
-  // What the whole logistic has on one side of -pi..pi.
+  // The integral of the whole logistic beyond pi, and likewise below -pi.
   float cut = exp(-kShadingPi / model.logisticScale);
   cut /= 1.0 + cut;
   float scale = 1.0 / (1.0 - 2.0 * cut);
