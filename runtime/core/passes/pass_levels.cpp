@@ -25,17 +25,24 @@ void forEachAccess(const PassList& list, const Pass& pass, const Function& funct
 }  // namespace
 
 // The ranges from `begin` to `end`, which become boundaries of ranges.
-std::span<PassLevels::Range> PassLevels::rangesOf(BufferId buffer, uint64_t begin, uint64_t end) {
+inline std::span<PassLevels::Range> PassLevels::rangesOf(BufferId buffer, uint64_t begin,
+                                                         uint64_t end) {
   const uint32_t index = ResourceTable::indexOf(buffer);
   if (index >= buffers_.size()) buffers_.resize(size_t{index} + 1);
   Ranges& ranges = buffers_[index];
-  HostArray<Range>& sorted = ranges.sorted;
   if (ranges.list != lists_) {
     ranges.list = lists_;
-    sorted.assign(1, {.begin = begin, .end = end});
+    ranges.only = {.begin = begin, .end = end};
+    ranges.sorted.clear();
   }
-  // Nearly all buffers are bound in one way.
-  if (sorted.size() == 1 && sorted[0].begin == begin && sorted[0].end == end) return sorted;
+  const bool whole = ranges.only.begin == begin && ranges.only.end == end;
+  if (ranges.sorted.empty() && whole) return {&ranges.only, 1};
+  return split(ranges, begin, end);
+}
+
+std::span<PassLevels::Range> PassLevels::split(Ranges& ranges, uint64_t begin, uint64_t end) {
+  HostArray<Range>& sorted = ranges.sorted;
+  if (sorted.empty()) sorted.push_back(ranges.only);
   auto at = std::partition_point(sorted.begin(), sorted.end(),
                                  [&](const Range& range) { return range.end <= begin; });
   if (at != sorted.end() && at->begin < begin) {

@@ -31,9 +31,11 @@ class PassLevels {
   };
   struct Ranges {
     uint64_t list = 0;        ///< the number of the list that they are of
-    HostArray<Range> sorted;  ///< by offset; they do not overlap
+    Range only;               ///< while the buffer is bound in one way, as nearly all are
+    HostArray<Range> sorted;  ///< after that; by offset, they do not overlap
   };
   std::span<Range> rangesOf(BufferId buffer, uint64_t begin, uint64_t end);
+  static std::span<Range> split(Ranges& ranges, uint64_t begin, uint64_t end);
   uint32_t levelOf(const PassList& list, const Pass& pass);
 
   uint64_t lists_ = 0;

@@ -264,6 +264,14 @@ Result<size_t> entryIn(const LayoutTable& from, const LayoutTable& to, uint8_t e
   return static_cast<size_t>(found - from.entries.begin());
 }
 
+// What bindings of this very table have for an entry; not bound: others may have it.
+BoundResource boundIn(std::span<const LayoutBindings> bindings, const LayoutTable& layout,
+                      uint8_t entry) {
+  for (const LayoutBindings& one : bindings)
+    if (&one.layout() == &layout) return one.at(entry);
+  return {};
+}
+
 }  // namespace
 
 Result<void> PassBuilder::checkLayouts(std::span<const LayoutBindings> bindings) const {
@@ -348,19 +356,23 @@ Result<void> PassBuilder::addBindings(const KernelVariant& variant,
       known->stages |= stageBit(kernel.stage);
       continue;
     }
-    const Result<BoundResource> resource = find(variant, use, bindings);
-    if (!resource) return resource.error();
+    BoundResource resource = boundIn(bindings, *kernel.layouts[use.set], use.entry);
+    if (!resource.isBound()) {
+      const Result<BoundResource> found = find(variant, use, bindings);
+      if (!found) return found.error();
+      resource = *found;
+    }
     PassBinding& binding = list_.bindings.emplace_back();  // finish() drops it after an error
     binding.set = use.set;
     binding.entry = use.entry;
-    binding.buffer = resource->range.buffer;
-    binding.offset = resource->range.offset;
-    binding.size = resource->range.size;
-    binding.texture = resource->texture;
+    binding.buffer = resource.range.buffer;
+    binding.offset = resource.range.offset;
+    binding.size = resource.range.size;
+    binding.texture = resource.texture;
     binding.access = use.access;
     binding.stages = stageBit(kernel.stage);
     if (entry.kind == ResourceKind::kUniformBuffer) {
-      const std::span<const std::byte> block = resource->block;
+      const std::span<const std::byte> block = resource.block;
       if (block.size() < entry.stride) {
         return Error{ErrorCode::kInvalidArgument,
                      "pass " + variantName(variant) + ": uniform block '" + entry.name + "' has " +
