@@ -102,6 +102,9 @@ TEST_P(FiberShading, SendsOnAllLightThatItDoesNotAbsorb) {
       materials.push_back(fiber(kNear, betaM, betaN));
       materials.push_back(fiber(kFar, betaM, betaN));
       materials.back().body.z = 0.6f;
+      // Without refraction TT goes straight on, from all of the width.
+      materials.push_back(fiber(kFar, betaM, betaN));
+      materials.back().fiber.w = 1;
     }
   std::vector<ShadeSample> samples;
   for (size_t m = 0; m < materials.size(); ++m)
