@@ -114,13 +114,19 @@ struct PELAGE_API HairAsset {
   /// are the same on every machine.
   Result<void> process(const ProcessDef& def = {});
 
-  /// Returns follow hairs of all guides: countPerGuide consecutive hairs per guide, with roots
-  /// uniform in a disc. The same seed gives the same hairs. The roots do not depend on other
-  /// guides. With several guides per hair, weights are proportional to 1 / (d^2 + maxRadius^2),
-  /// where d is the distance of the roots. Needs only positions. Errors: an asset that process()
-  /// refuses, a value of `def` out of range.
+  /// Returns follow hairs of all guides, countPerGuide of each, with roots uniform in a disc, in
+  /// spreadOrder(). The same seed gives the same hairs. The roots do not depend on other guides,
+  /// nor on countPerGuide. With several guides per hair, weights are proportional to 1 / (d^2 +
+  /// maxRadius^2), where d is the distance of the roots. Needs only positions. Errors: an asset
+  /// that process() refuses, a value of `def` out of range.
   Result<std::vector<FollowHair>> generateFollowHairs(const FollowDef& def) const;
 };
+
+/// Returns the order in which the first of the follow hairs are spread over all guides, so that
+/// HairObject::drawnShare leaves no gaps: rounds of one hair a guide, in which guides follow each
+/// other in steps of the golden ratio. Hairs of one guide keep their order.
+/// \param guides  [follow hair] FollowHair::guide, each below guideCount
+PELAGE_API std::vector<uint32_t> spreadOrder(std::span<const uint32_t> guides, uint32_t guideCount);
 
 /// Checks counts, array sizes and values, as process() does.
 PELAGE_API Result<void> validate(const HairAsset& asset);

@@ -60,7 +60,7 @@ struct HairDef {
   std::span<const StrandFactors> strandFactors = {};
   /// Exact: allows HairObject::simulatedShare below 1. Costs a table of one uint32 per guide.
   bool levelOfDetail = false;
-  /// Follow hairs, from generateFollowHairs(); empty for none.
+  /// Follow hairs, from generateFollowHairs(), or your own in spreadOrder(); empty for none.
   std::span<const FollowHair> followHairs = {};
   /// Texture of the base color, sampled at HairAsset::strandUv of the roots; without texels there
   /// is none.

@@ -2,10 +2,12 @@
 // list of defects that this library must not have.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -518,8 +520,44 @@ TEST(FollowHairs, HaveTheRightGuideAndFillTheDiscForEveryCount) {  // K19, K20
     const auto hairs =
         required(asset.generateFollowHairs({.countPerGuide = count, .maxRadius = 0.01f}));
     ASSERT_EQ(hairs->size(), 65u * count);
-    for (size_t i = 0; i < hairs->size(); ++i) ASSERT_EQ((*hairs)[i].guide, i / count);
+    std::vector<uint32_t> found(65, 0);
+    for (const FollowHair& hair : *hairs) ++found[hair.guide];
+    EXPECT_EQ(found, std::vector<uint32_t>(65, count));
   }
+}
+
+// The hairs of each guide, one guide after the other.
+std::vector<FollowHair> byGuide(std::vector<FollowHair> hairs) {
+  std::stable_sort(hairs.begin(), hairs.end(),
+                   [](const FollowHair& a, const FollowHair& b) { return a.guide < b.guide; });
+  return hairs;
+}
+
+TEST(FollowHairs, AreSpreadOverAllGuidesFromTheFirstOn) {
+  for (const uint32_t guides : {1u, 2u, 65u, 610u}) {
+    const auto hairs = required(
+        bentStrands(guides, 3, 0.3).generateFollowHairs({.countPerGuide = 3, .maxRadius = 0.01f}));
+    for (size_t some = 1; some <= hairs->size(); some += 1 + some / 7) {
+      std::vector<uint32_t> found(guides, 0);
+      for (size_t i = 0; i < some; ++i) ++found[(*hairs)[i].guide];
+      const auto [least, most] = std::minmax_element(found.begin(), found.end());
+      EXPECT_LE(*most - *least, 1u) << some << " hairs of " << guides << " guides";
+      // In a round that is not whole, too: by half of the guides, half of the hairs.
+      const double half =
+          std::accumulate(found.begin(), found.begin() + guides / 2, 0.0) / (guides / 2 + 1e-9);
+      const double all = static_cast<double>(some) / guides;
+      if (guides > 2) {
+        EXPECT_NEAR(half, all, 4.0 / guides) << some << " hairs of " << guides << " guides";
+      }
+    }
+  }
+  // Some guides have more hairs than others, and some have none.
+  const std::vector<uint32_t> owners = {3, 3, 1, 3, 1, 4};
+  std::vector<uint32_t> order = spreadOrder(owners, 5);
+  for (const uint32_t i : {0u, 2u, 5u})
+    EXPECT_LT(std::find(order.begin(), order.end(), i) - order.begin(), 3) << i;
+  EXPECT_EQ(order[3] + order[4], 1u + 4u);
+  EXPECT_EQ(order[5], 3u);
 }
 
 TEST(FollowHairs,
@@ -556,9 +594,9 @@ TEST(FollowHairs, DependOnTheSeedAndOnNothingElse) {  // K24
   HairAsset fewer = asset;
   fewer.strandCount = 4;
   fewer.positions.resize(12);
-  auto all = *asset.generateFollowHairs(def);
+  auto all = byGuide(*asset.generateFollowHairs(def));
   all.resize(20);
-  EXPECT_EQ(*fewer.generateFollowHairs(def), all);
+  EXPECT_EQ(byGuide(*fewer.generateFollowHairs(def)), all);
 }
 
 TEST(FollowHairs, MixTheNearestGuidesAndKeepTheirRoots) {

@@ -69,18 +69,19 @@ void expectComplete(const HairAsset& groom, const GuideSelection& s) {
   for (size_t g = 0; g < s.source.size(); ++g)
     for (uint32_t v = 0; v < count; ++v)
       ASSERT_EQ(s.guides.positions[g * count + v], groom.positions[s.source[g] * count + v]);
-  for (size_t i = 0; i < s.followHairs.size(); ++i) {
-    const FollowHair& hair = s.followHairs[i];
+  std::vector<uint32_t> rounds(s.guides.strandCount, 0);
+  uint32_t last = 0;
+  for (const FollowHair& hair : s.followHairs) {
     ASSERT_LT(hair.guide, s.guides.strandCount);
+    // In spreadOrder().
+    ASSERT_GE(rounds[hair.guide], last);
+    last = rounds[hair.guide]++;
     ASSERT_LT(hair.otherGuides[0], s.guides.strandCount);
     ASSERT_LT(hair.otherGuides[1], s.guides.strandCount);
     ASSERT_GE(hair.otherWeights[0], 0);
     ASSERT_GE(hair.otherWeights[1], 0);
     ASSERT_LE(hair.otherWeights[0] + hair.otherWeights[1], 1);
     ASSERT_LE(std::abs(hair.offset.w), kMaxFittedTipFactor);
-    if (i > 0) {
-      ASSERT_LE(s.followHairs[i - 1].guide, hair.guide);
-    }
   }
 }
 

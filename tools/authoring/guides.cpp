@@ -189,14 +189,16 @@ class Selector {
     GuideSelection result;
     result.source = guides_;
     result.followSource = followers();
-    // Stable: the hairs of a guide stay in their order.
-    std::stable_sort(
-        result.followSource.begin(), result.followSource.end(),
-        [&](uint32_t a, uint32_t b) { return follows_[a].hair.guide < follows_[b].hair.guide; });
     copyGuides(result.guides);
 
     std::vector<uint32_t> guideOf(groom_.strandCount, 0);
     for (size_t i = 0; i < guides_.size(); ++i) guideOf[guides_[i]] = static_cast<uint32_t>(i);
+    std::vector<uint32_t> owners, sources;
+    for (const uint32_t source : result.followSource)
+      owners.push_back(guideOf[follows_[source].hair.guide]);
+    for (const uint32_t i : spreadOrder(owners, static_cast<uint32_t>(guides_.size())))
+      sources.push_back(result.followSource[i]);
+    result.followSource = std::move(sources);
     const FeatureTree tree(features_, guides_);
     std::vector<Neighbor> found;
     Deviation all, unfitted;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "base/guard.h"
 #include "base/portable_math.h"
 #include "base/vector3.h"
+#include "pelage/assert.h"
 #include "pelage/random.h"
 
 namespace pelage {
@@ -298,6 +300,7 @@ Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const Fo
     return invalid(fmt::format("{} guides with {} follow hairs each are more than 2^32 strands",
                                asset.strandCount, def.countPerGuide));
 
+  if (total == 0) return std::vector<FollowHair>();
   std::optional<NearestRoots> roots;
   if (def.guidesPerHair > 1) roots.emplace(asset);
   std::vector<FollowHair> hairs;
@@ -322,10 +325,41 @@ Result<std::vector<FollowHair>> makeFollowHairs(const HairAsset& asset, const Fo
       hairs.push_back(hair);
     }
   }
-  return hairs;
+  std::vector<uint32_t> guides;
+  guides.reserve(total);
+  for (const FollowHair& hair : hairs) guides.push_back(hair.guide);
+  std::vector<FollowHair> spread;
+  spread.reserve(total);
+  for (const uint32_t i : spreadOrder(guides, asset.strandCount)) spread.push_back(hairs[i]);
+  return spread;
 }
 
 }  // namespace
+
+std::vector<uint32_t> spreadOrder(std::span<const uint32_t> guides, uint32_t guideCount) {
+  // `next` has a guide's next hair, and `after` the hair that follows one at the same guide.
+  constexpr uint32_t kNone = 0xffffffffu;
+  std::vector<uint32_t> next(guideCount, kNone), after(guides.size());
+  for (auto i = static_cast<uint32_t>(guides.size()); i-- > 0;) {
+    PELAGE_ASSERT(guides[i] < guideCount, "a follow hair has a guide");
+    after[i] = std::exchange(next[guides[i]], i);
+  }
+  uint64_t step = std::max(static_cast<uint64_t>(0.6180339887 * guideCount), uint64_t{1});
+  while (std::gcd(step, uint64_t{guideCount}) > 1) ++step;
+  std::vector<uint32_t> left;  // guides that have hairs
+  for (uint64_t i = 0, guide = 0; i < guideCount; ++i, guide = (guide + step) % guideCount)
+    left.push_back(static_cast<uint32_t>(guide));
+  std::vector<uint32_t> order;
+  order.reserve(guides.size());
+  while (!left.empty()) {
+    std::erase_if(left, [&](uint32_t guide) { return next[guide] == kNone; });
+    for (const uint32_t guide : left) {
+      order.push_back(next[guide]);
+      next[guide] = after[next[guide]];
+    }
+  }
+  return order;
+}
 
 Result<void> validate(const HairAsset& asset) {
   return detail::guarded([&] { return checkAsset(asset); });

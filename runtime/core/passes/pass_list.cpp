@@ -264,7 +264,8 @@ Result<size_t> entryIn(const LayoutTable& from, const LayoutTable& to, uint8_t e
   return static_cast<size_t>(found - from.entries.begin());
 }
 
-// What bindings of this very table have for an entry; not bound: others may have it.
+// Returns the resource that bindings of this very table have for an entry. It is not bound where
+// others may have it.
 BoundResource boundIn(std::span<const LayoutBindings> bindings, const LayoutTable& layout,
                       uint8_t entry) {
   for (const LayoutBindings& one : bindings)
