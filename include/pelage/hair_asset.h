@@ -125,7 +125,8 @@ struct PELAGE_API HairAsset {
 /// Returns the order in which the first of the follow hairs are spread over all guides, so that
 /// HairObject::drawnShare leaves no gaps: rounds of one hair a guide, in which guides follow each
 /// other in steps of the golden ratio. Hairs of one guide keep their order.
-/// \param guides  [follow hair] FollowHair::guide, each below guideCount
+/// \param guides  [follow hair] FollowHair::guide. Asserts that each is below guideCount; if not,
+///                returns nothing.
 PELAGE_API std::vector<uint32_t> spreadOrder(std::span<const uint32_t> guides, uint32_t guideCount);
 
 /// Checks counts, array sizes and values, as process() does.

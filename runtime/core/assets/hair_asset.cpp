@@ -341,7 +341,8 @@ std::vector<uint32_t> spreadOrder(std::span<const uint32_t> guides, uint32_t gui
   constexpr uint32_t kNone = 0xffffffffu;
   std::vector<uint32_t> next(guideCount, kNone), after(guides.size());
   for (auto i = static_cast<uint32_t>(guides.size()); i-- > 0;) {
-    PELAGE_ASSERT(guides[i] < guideCount, "a follow hair has a guide");
+    PELAGE_ASSERT(guides[i] < guideCount, "spreadOrder() needs guides below guideCount");
+    if (guides[i] >= guideCount) return {};
     after[i] = std::exchange(next[guides[i]], i);
   }
   uint64_t step = std::max(static_cast<uint64_t>(0.6180339887 * guideCount), uint64_t{1});
