@@ -18,7 +18,7 @@ pelage::Result<std::vector<sample::DemoScene>> makeCharacters(const pelage::Char
                                                               sample::DemoDef def, uint32_t count);
 
 /// Poses all characters for the next frame, and writes its simulation into a list, which is cleared
-/// first. Scenes of the sample that are no characters are one.
+/// first. \param demos of makeCharacters(), or one other scene
 pelage::Result<void> advanceAll(std::span<sample::DemoScene> demos, pelage::PassList& list);
 
 }  // namespace bench

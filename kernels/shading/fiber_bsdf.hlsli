@@ -274,7 +274,7 @@ float3 fiberScattering(FiberModel model, FiberAngles a, float4 lobes) {
     float3 integral = left.integral - right.integral;
     float3 width = end - innerEnd;
     float3 density = max((integral - innerIntegral) / width, float3(0.0, 0.0, 0.0));
-    // Sharp, or a difference of equal numbers.
+    // A part without width has the density at its end.
     float3 narrow = left.density + right.density;
     density = float3(abs(width.x) < 1e-3 ? narrow.x : density.x,
                      abs(width.y) < 1e-3 ? narrow.y : density.y,

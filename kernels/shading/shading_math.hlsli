@@ -1,8 +1,8 @@
 // Small functions for shading that return finite values.
 //
-// Neither these nor the functions of shadow maps return early: NVIDIA's OpenGL compiler keeps a flag
-// for each early return. With those in strand_shadow.hlsli and shadow_faces.hlsli alone,
-// shade_strand_tiles takes 924 us of an H200 in place of 344.
+// These do not return early, nor do those that find a point in a shadow map of hair and read its
+// texels: NVIDIA's OpenGL compiler keeps a flag for each early return. With those in
+// strand_shadow.hlsli and shadow_faces.hlsli, shade_strand_tiles took 924 us of an H200 for 344.
 #ifndef PELAGE_SHADING_SHADING_MATH_HLSLI
 #define PELAGE_SHADING_SHADING_MATH_HLSLI
 

@@ -120,7 +120,7 @@ TEST_P(GivenHair, FollowHairsAndTangentsFollow) {
     std::vector<Float3> from;
     const size_t guides = asset_.positions.size();
     for (size_t i = 0; i < guides && all.size() == 2 * guides; ++i) {
-      // Of the follow hairs, each has a guide of its own.
+      // Each follow hair has a guide of its own.
       const size_t guide = follows[i / kGivenVertices].guide;
       const Float4 &a = all[guide * kGivenVertices + i % kGivenVertices], &b = all[guides + i];
       from.push_back({b.x - a.x, b.y - a.y, b.z - a.z});
