@@ -37,7 +37,7 @@ struct Options {
   std::string method;  // of the rows that draw; empty: as the library has it
   double seconds = 0;
   bool quick = false, small = false, cold = false, list = false, serial = false;
-  std::string csv, commit;
+  std::string csv, commit, data;
 };
 
 // A smoke test takes the first frames, in which every SDF is built.
@@ -103,7 +103,10 @@ class ApiRun {
       failures += runInTime(row.name(), [&] { return runRow(row); });
     if (!results_.empty()) fmt::print("{}\n", bench::sceneTable(results_));
     for (const DrawingRow& row : chosenDrawings(options_))
-      failures += runInTime(row.name(), [&] { return runDrawing(row); });
+      if (row.ratBoy && !assets_.hasRatBoy())
+        fmt::print("{}: skipped, no --data folder with ratboy/\n", row.name());
+      else
+        failures += runInTime(row.name(), [&] { return runDrawing(row); });
     if (!drawings_.empty()) fmt::print("{}\n", bench::drawingTable(drawings_));
     std::fflush(stdout);
     return failures;
@@ -154,6 +157,8 @@ class ApiRun {
       const bench::Spread all = bench::drawingTime(result->figures);
       result->added = {all.median - without.median, all.mean - without.mean};
       result->hasAdded = alone->figures.isTimed();
+      if (row.extra == bench::DrawingExtra::kLevelOfDetail)
+        result->psnr = bench::psnrOf(result->picture, alone->picture);
     }
     drawings_.push_back(*std::move(result));
     if (!options_.csv.empty()) {
@@ -172,7 +177,9 @@ class ApiRun {
   const DrawingResult* aloneBeside(const DrawingRow& row) const {
     if (row.extra == bench::DrawingExtra::kNone) return nullptr;
     for (const DrawingResult& one : drawings_)
-      if (one.row.extra == bench::DrawingExtra::kNone && one.row.tenfold == row.tenfold)
+      if (one.row.extra == bench::DrawingExtra::kNone && one.row.tenfold == row.tenfold &&
+          one.row.distance == row.distance && one.row.characters == row.characters &&
+          one.row.ratBoy == row.ratBoy)
         return &one;
     return nullptr;
   }
@@ -200,7 +207,7 @@ class ApiRun {
 };
 
 Result<int> runAll(const Options& options) {
-  bench::SceneAssets assets(options.quick);
+  bench::SceneAssets assets(options.quick, options.data);
   const Clock::time_point start = Clock::now();
   int failures = 0;
   for (const std::string& api : options.apis) {
@@ -275,6 +282,7 @@ int main(int argc, char** argv) {
                  "file to append the rows to; passes go to NAME_passes.csv, first frames to "
                  "NAME_first_frame.csv, rows that draw to NAME_drawing.csv and "
                  "NAME_drawing_passes.csv");
+  app.add_option("--data", options.data, "folder with ratboy/, for the rows of Rat Boy");
   app.add_option("--commit", options.commit, "of the source, for the rows");
   app.add_flag("--quick", options.quick, "smoke test: few strands and frames, results are checked");
   app.add_flag("--small", options.small, "fewer strands, for software drivers");

@@ -86,14 +86,15 @@ TEST(DrawingRows, HaveNamesOfTheirOwnAndBeginWithThePictureAlone) {
     for (const SceneRow& row : sceneRows(size)) names.insert(row.name());
     const std::vector<DrawingRow> rows = drawingRows(size);
     for (const DrawingRow& row : rows) EXPECT_TRUE(names.insert(row.name()).second) << row.name();
-    ASSERT_EQ(rows.size(), size == SceneSize::kQuick ? 9u : 11u);
+    ASSERT_EQ(rows.size(), size == SceneSize::kQuick ? 10u : 16u);
     EXPECT_EQ(rows[0].extra, DrawingExtra::kNone);
     EXPECT_EQ(rows[6].extra, DrawingExtra::kNone);
     EXPECT_EQ(rows[6].guides, 10 * rows[0].guides);
     EXPECT_GT(rows[8].distance, rows[0].distance);
     EXPECT_EQ(rows[8].guides, rows[0].guides);
     if (size != SceneSize::kQuick) {
-      EXPECT_EQ(rows[10].characters, 12u);
+      EXPECT_EQ(rows[13].characters, 12u);
+      EXPECT_TRUE(rows[15].ratBoy);
     }
   }
 }

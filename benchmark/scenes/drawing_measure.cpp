@@ -23,6 +23,11 @@ double meanLightOf(const pelage::RenderedImage& picture) {
   return sum / (3 * static_cast<double>(picture.pixels.size()));
 }
 
+sample::ByteImage shownOf(pelage::RenderedImage picture) {
+  sample::compositeOver(picture, {});
+  return sample::encodeSrgb(picture);
+}
+
 // Counts what the measured frames held. The device reads each picture back, which is a pause.
 Result<void> measureFrames(DrawingRun& run, CopyReference& reference, int frames,
                            DrawingResult& result) {
@@ -67,6 +72,7 @@ Result<DrawingResult> measureOnce(Workbench& workbench, CopyReference& reference
   result.bytes = workbench.device.bufferBytes();
   result.method = (*run)->method();
   result.meanLight = meanLightOf((*run)->picture());
+  result.picture = shownOf((*run)->picture());
   return result;
 }
 
@@ -96,6 +102,15 @@ Result<DrawingResult> measureDrawing(Workbench& workbench, CopyReference& refere
   return steadiest(reference.clocks(), [&] {
     return measureOnce(workbench, reference, assets, row, rig, drawing, def);
   });
+}
+
+double psnrOf(const sample::ByteImage& a, const sample::ByteImage& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.rgb.size(); ++i) {
+    const double difference = static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i]);
+    sum += difference * difference;
+  }
+  return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.rgb.size()) / sum);
 }
 
 Result<void> checkDrawing(const DrawingResult& result) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "image.h"
 #include "pelage/result.h"
 #include "scenes/drawing_run.h"
 #include "scenes/scene_measure.h"
@@ -26,6 +27,10 @@ struct DrawingResult {
   /// By how much the drawing groups take longer than in the row that draws nothing else [us].
   Spread added;
   bool hasAdded = false;  ///< false without that row
+  /// The last picture, and with DrawingExtra::kLevelOfDetail how far it is from that row's: PSNR of
+  /// sRGB bytes over all pixels [dB].
+  sample::ByteImage picture = {};
+  double psnr = 0;
   /// [frame] Time in which the host sets positions, waits for the decoder included [us]. Rows that
   /// play have it.
   std::vector<double> showUs = {};
@@ -40,6 +45,9 @@ pelage::Result<DrawingResult> measureDrawing(Workbench& workbench, CopyReference
                                              SceneAssets& assets, const DrawingRow& row,
                                              const engine_lights::LightRig& rig,
                                              const DrawingDef& drawing, const MeasureDef& def);
+
+/// Returns the PSNR of two pictures of one size [dB], of 255; infinite where they are the same.
+double psnrOf(const sample::ByteImage& a, const sample::ByteImage& b);
 
 /// Checks a row of a smoke test; the error names what is missing.
 pelage::Result<void> checkDrawing(const DrawingResult& result);

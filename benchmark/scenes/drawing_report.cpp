@@ -18,8 +18,8 @@ std::string csvHeader() {
   for (size_t i = 0; i < kPassGroups; ++i)
     header += fmt::format(",{0}_us_median,{0}_us_mean", passGroupName(static_cast<PassGroup>(i)));
   return header +
-         ",show_us_median,show_us_mean,fragments,spilled,bytes,reference_us_before,reference_us_"
-         "after,"
+         ",show_us_median,show_us_mean,fragments,spilled,bytes,psnr_db,reference_us_before,"
+         "reference_us_after,"
          "runs,device,driver\n";
 }
 
@@ -40,7 +40,8 @@ std::string csvRow(const DrawingResult& r) {
   for (size_t i = 0; i < kPassGroups; ++i)
     row += "," + spread(r.figures.of(static_cast<PassGroup>(i)), timed);
   row += "," + spread(spreadOf(r.showUs), !r.showUs.empty());
-  return row + fmt::format(",{},{},{},{},{},{}", r.fragments, r.spilled, r.bytes,
+  return row + fmt::format(",{},{},{},{},{},{},{}", r.fragments, r.spilled, r.bytes,
+                           csvNumber(r.psnr, r.psnr > 0),
                            csvNumber(r.copies.before, r.copies.before > 0),
                            csvNumber(r.copies.after, r.copies.after > 0), r.copies.runs);
 }
@@ -55,30 +56,31 @@ std::string drawingTable(const std::vector<DrawingResult>& results) {
   if (results.empty()) return {};
   const DrawingRow& first = results[0].row;
   std::string text = fmt::format(
-      "\nGPU time a frame [us], medians; {} x {}, {}\n{:<20}{:>9}{:>9}{:>9}", first.width,
+      "\nGPU time a frame [us], medians; {} x {}, {}\n{:<25}{:>9}{:>9}{:>9}", first.width,
       first.height, drawingMethodName(results[0].method), "row", "frame", "drawing", "added");
   for (size_t i = 0; i < kPassGroups; ++i)
     text += fmt::format("{:>15}", passGroupName(static_cast<PassGroup>(i)));
-  text += fmt::format("{:>9}{:>11}{:>9}{:>8}{:>9}{:>9}{:>5}\n", "show", "fragments", "spilled",
-                      "MB", "before", "after", "runs");
+  text += fmt::format("{:>9}{:>11}{:>9}{:>8}{:>8}{:>9}{:>9}{:>5}\n", "show", "fragments", "spilled",
+                      "MB", "dB", "before", "after", "runs");
   for (const DrawingResult& r : results) {
     const bool timed = r.figures.isTimed();
     text += fmt::format(
-        "{:<20}{:>9}{:>9}{:>9}", r.row.name(), shown(r.figures.frame().median, timed),
+        "{:<25}{:>9}{:>9}{:>9}", r.row.name(), shown(r.figures.frame().median, timed),
         shown(drawingTime(r.figures).median, timed), shown(r.added.median, timed && r.hasAdded));
     for (size_t i = 0; i < kPassGroups; ++i)
       text += fmt::format("{:>15}", shown(r.figures.of(static_cast<PassGroup>(i)).median, timed));
-    text += fmt::format("{:>9}{:>11}{:>9}{:>8}{:>9}{:>9}{:>5}\n",
+    text += fmt::format("{:>9}{:>11}{:>9}{:>8}{:>8}{:>9}{:>9}{:>5}\n",
                         shown(spreadOf(r.showUs).median, !r.showUs.empty()), r.fragments, r.spilled,
-                        r.bytes / 1000000, shown(r.copies.before, r.copies.before > 0),
+                        r.bytes / 1000000, shown(r.psnr, r.psnr > 0),
+                        shown(r.copies.before, r.copies.before > 0),
                         shown(r.copies.after, r.copies.after > 0), r.copies.runs);
   }
-  text += fmt::format("\n{:<20}{:<28}{:<15}{:>12}{:>12}{:>10}\n", "row", "pass", "group",
+  text += fmt::format("\n{:<25}{:<28}{:<15}{:>12}{:>12}{:>10}\n", "row", "pass", "group",
                       "median us", "mean us", "a frame");
   for (const DrawingResult& r : results)
     for (const PassFigure& pass : r.figures.passes()) {
       const Spread us = spreadOf(pass.us);
-      text += fmt::format("{:<20}{:<28}{:<15}{:>12}{:>12}{:>10.2f}\n", r.row.name(), pass.name,
+      text += fmt::format("{:<25}{:<28}{:<15}{:>12}{:>12}{:>10.2f}\n", r.row.name(), pass.name,
                           passGroupName(pass.group), shown(us.median, r.figures.isTimed()),
                           shown(us.mean, r.figures.isTimed()), r.figures.perFrame(pass));
     }

@@ -25,6 +25,8 @@ const char* extraName(DrawingExtra extra) {
       return "engine_lights";
     case DrawingExtra::kPlayback:
       return "playback";
+    case DrawingExtra::kLevelOfDetail:
+      return "level_of_detail";
   }
   return "unknown";
 }
@@ -32,7 +34,7 @@ const char* extraName(DrawingExtra extra) {
 }  // namespace
 
 std::string DrawingRow::name() const {
-  std::string scene = "draw";
+  std::string scene = ratBoy ? "draw_rat_boy" : "draw";
   if (characters > 1)
     scene += "_" + std::to_string(characters);
   else if (distance > 1)
@@ -55,7 +57,6 @@ std::vector<DrawingRow> drawingRows(SceneSize size) {
     rows.push_back(row);
   }
   DrawingRow far = row;
-  far.extra = DrawingExtra::kNone;
   far.distance = kFar;
   row.tenfold = true;
   row.guides *= 10;
@@ -63,14 +64,27 @@ std::vector<DrawingRow> drawingRows(SceneSize size) {
     row.extra = extra;
     rows.push_back(row);
   }
-  rows.push_back(far);
-  // A smoke test of many characters finds nothing more.
+  const auto addWithDetail = [&rows](DrawingRow some) {
+    for (const DrawingExtra extra : {DrawingExtra::kNone, DrawingExtra::kLevelOfDetail}) {
+      some.extra = extra;
+      rows.push_back(some);
+    }
+  };
+  addWithDetail(far);
+  // A smoke test of many characters, or of files, finds nothing more.
   if (size == SceneSize::kQuick) return rows;
   DrawingRow crowd = far;
   crowd.distance = kCrowd;
   for (const uint32_t characters : {4u, 12u}) {
     crowd.characters = characters;
-    rows.push_back(crowd);
+    addWithDetail(crowd);
+  }
+  for (const float distance : {1.0f, kFar}) {
+    DrawingRow boy = far;
+    boy.extra = DrawingExtra::kNone;
+    boy.distance = distance;
+    boy.ratBoy = true;
+    rows.push_back(boy);
   }
   return rows;
 }

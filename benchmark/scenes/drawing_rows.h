@@ -18,6 +18,7 @@ enum class DrawingExtra : uint8_t {
   kStereo,         ///< the picture of the other eye
   kEngineLights,   ///< the lights of sample/engine_lights in place of pelage's
   kPlayback,       ///< guides from caches, decoded meanwhile, in place of a simulation
+  kLevelOfDetail,  ///< as many strands, drawn and simulated, as the view needs
 };
 
 struct DrawingRow {
@@ -28,9 +29,10 @@ struct DrawingRow {
   uint32_t width = 0, height = 0;  ///< of the picture [pixels]
   uint32_t shadowSize = 0;         ///< of the shadow map [texels]
   uint32_t characters = 1;         ///< beside and behind each other
+  bool ratBoy = false;             ///< SceneAssets::ratBoy() in place of the character
 
   /// "draw/alone", "draw/depth", ..., "draw_10x/alone", "draw_10x/playback", "draw_far/alone",
-  /// "draw_12/alone"
+  /// "draw_12/level_of_detail", "draw_rat_boy_far/alone"
   std::string name() const;
 };
 

@@ -49,15 +49,48 @@ Result<engine_lights::LightRig> makeLightRig(HeadlessDevice& device, SceneAssets
   return engine_lights::LightRig::create(device, {mesh.positions, mesh.indices});
 }
 
+namespace {
+
+// Strands of Rat Boy as scripts/ratboy.sh has them.
+constexpr std::string_view kRatBoySettings = R"({
+  "simulation": {"damping": 0.04, "bendLength": 0.3, "globalStiffness": 0.2, "globalRange": 0.4,
+                 "vspCoefficient": 0.2},
+  "material": {"fiberRadius": 1.5e-4, "tipRadiusRatio": 0.15},
+  "follow": {"countPerGuide": 16, "maxRadius": 0.006, "flyaways": 0.03}})";
+constexpr std::string_view kDetailSettings = R"({"creation": {"levelOfDetail": true}})";
+
+Result<std::vector<DemoScene>> makeScenes(Workbench& workbench, SceneAssets& assets,
+                                          const DrawingRow& row) {
+  sample::DemoDef def;
+  def.scene = &workbench.scene;
+  const bool detail = row.extra == DrawingExtra::kLevelOfDetail;
+  if (row.ratBoy || detail) {
+    auto settings =
+        pelage::SettingsFile::parse(row.ratBoy ? kRatBoySettings : kDetailSettings, row.name());
+    if (!settings) return settings.error();
+    def.settings = *std::move(settings);
+  }
+  if (row.ratBoy) {
+    const auto files = assets.ratBoy();
+    if (!files) return files.error();
+    auto demo = DemoScene::create(**files, def);
+    if (!demo) return demo.error();
+    std::vector<DemoScene> demos;
+    demos.push_back(*std::move(demo));
+    return demos;
+  }
+  const auto character = assets.character(row.guides);
+  if (!character) return character.error();
+  return makeCharacters(**character, def, row.characters);
+}
+
+}  // namespace
+
 Result<std::unique_ptr<DrawingRun>> DrawingRun::create(Workbench& workbench, SceneAssets& assets,
                                                        const DrawingRow& row, const DrawingDef& def,
                                                        const engine_lights::LightRig& rig) {
-  const auto character = assets.character(row.guides);
-  if (!character) return character.error();
   workbench.scene.setTier(workbench.device.info().tier);
-  sample::DemoDef demoDef;
-  demoDef.scene = &workbench.scene;
-  auto demos = makeCharacters(**character, demoDef, row.characters);
+  auto demos = makeScenes(workbench, assets, row);
   if (!demos) return demos.error();
   std::unique_ptr<DrawingRun> run(new DrawingRun(workbench, *std::move(demos), row));
   run->def_ = def;
@@ -134,6 +167,16 @@ Result<void> DrawingRun::drawDepth() {
   return workbench_.scene.drawDepth(view_, settings, depth_);
 }
 
+// As the last frame's positions have it: those of this frame are not there yet.
+void DrawingRun::chooseDetail() {
+  for (const DemoScene& demo : demos_)
+    for (const pelage::HairId id : demo.drawnHairs()) {
+      pelage::HairObject& hair = workbench_.scene.hair(id);
+      hair.drawnShare = workbench_.scene.shareForView(id, view_);
+      if (hair.simulated) hair.simulatedShare = hair.drawnShare;
+    }
+}
+
 // All lists of the next frame, complete.
 Result<void> DrawingRun::write() {
   pelage::Scene& scene = workbench_.scene;
@@ -142,6 +185,7 @@ Result<void> DrawingRun::write() {
     if (!us) return us.error();
     showUs_ = *us;
   }
+  if (row_.extra == DrawingExtra::kLevelOfDetail) chooseDetail();
   if (Result<void> done = advanceAll(demos_, simulation_); !done) return done;
   choose();
   between_.clear();

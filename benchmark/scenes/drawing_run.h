@@ -61,6 +61,7 @@ class DrawingRun {
  private:
   DrawingRun(Workbench& workbench, std::vector<sample::DemoScene> demos, const DrawingRow& row);
   void choose();
+  void chooseDetail();
   bool drawsDepth() const;
   pelage::Result<void> write();
   pelage::Result<void> drawDepth();

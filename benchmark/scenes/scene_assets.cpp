@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "asset_files.h"
 #include "groom_presets.h"
 #include "head_motion.h"
 
@@ -20,6 +21,8 @@ namespace {
 // Cells of the head's and the character's meshes as pelage-headless makes them [m].
 constexpr float kHeadCellSize = 0.0025f, kCharacterCellSize = 0.003f;
 constexpr float kQuickHeadCellSize = 0.007f;
+
+constexpr const char* kRatBoyHair = "Ratboy_mohawk.tfx";
 
 constexpr size_t kHeadBone = 1;
 // The sample's.
@@ -70,6 +73,23 @@ Result<const Character*> SceneAssets::character(uint32_t guides) {
   for (pelage::CharacterGroom& groom : character->grooms)
     if (Result<void> done = groom.hair.process(); !done) return done.error();
   return &characters_.emplace(guides, std::move(*character)).first->second;
+}
+
+bool SceneAssets::hasRatBoy() const {
+  return !data_.empty() && std::filesystem::exists(ratBoyFile(kRatBoyHair));
+}
+
+Result<const sample::FileAssets*> SceneAssets::ratBoy() {
+  if (ratBoy_) return &*ratBoy_;
+  pelage::program::AssetFiles files;
+  files.hairs = {ratBoyFile(kRatBoyHair)};
+  files.bones = {ratBoyFile("Ratboy_mohawk.tfxbone")};
+  files.meshes = {ratBoyFile("Ratboy_body.tfxmesh"), ratBoyFile("Ratboy_left_hand.tfxmesh")};
+  files.repair = true;
+  std::vector<std::string> warnings;
+  auto loaded = pelage::program::loadAssetFiles(files, warnings);
+  if (!loaded) return loaded.error();
+  return &ratBoy_.emplace(sample::FileAssets{*std::move(loaded), {}});
 }
 
 Result<BenchScene> headOfBaseline(const DemoAssets& head) {
