@@ -113,6 +113,11 @@ void addLookOptions(CLI::App& app, Options& options, Given& given) {
                                        "share of the strands that are drawn, 0.02..1 (1)")
                             ->check(CLI::Range(0.02f, 1.0f).description(""))
                             ->type_name("X");
+  app.add_option("--detail", options.detailPixels,
+                 "draw fewer, wider fibers where they are narrower than this [pixels]; 0 draws all "
+                 "(0.25)")
+      ->check(CLI::Range(0.0f, 4.0f).description(""))
+      ->type_name("X");
   given.coarseOption =
       app.add_option("--coarse", given.coarseness,
                      "edge of a pixel of the hair [pixels of the window], 1..4 (1; 2 on the CPU)")

@@ -77,6 +77,7 @@ struct Options {
   std::optional<pelage::Transparency> transparency;
   std::optional<pelage::HairShadow> shadow;
   std::optional<float> strandShare;
+  float detailPixels = pelage::kDetailPixels;
   std::optional<uint32_t> coarseness;
   std::optional<pelage::Solver> compared;  ///< solver of the right side; nothing: one side
   pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;

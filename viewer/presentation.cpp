@@ -27,6 +27,7 @@ Result<void> Presentation::open(const Options& options) {
   stage.look.transparency = options.transparency.value_or(
       software ? pelage::Transparency::kShortCut : pelage::Transparency::kWindowed);
   stage.look.strandShare = options.strandShare.value_or(1.0f);
+  stage.look.detailPixels = options.detailPixels;
   stage.look.shadow = options.shadow.value_or(pelage::HairShadow::kDeep);
   coarseness_ = options.coarseness.value_or(software ? kSoftwareCoarseness : 1);
   stage.clock.fixed = options.fixedClock;

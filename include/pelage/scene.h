@@ -27,6 +27,10 @@ struct SceneParts;
 struct SnapshotData;
 }  // namespace detail
 
+/// Width of a fiber below which Scene::shareForView() leaves some out [pixels]. The picture is
+/// within 40 dB of that of all strands (docs/oit.md).
+inline constexpr float kDetailPixels = 0.25f;
+
 /// Reads a buffer of Scene::resources() back from the device, behind all that has run.
 using BufferReader = std::function<Result<std::vector<std::byte>>(BufferId)>;
 
@@ -217,11 +221,11 @@ class PELAGE_API Scene {
   /// that is too small. Nothing has changed then.
   Result<void> drawDepth(const View& view, const HairDepthSettings& settings, PassList& list);
   /// Level of detail for a view: the share of strands that is enough when fibers are drawn at least
-  /// `pixels` wide, in the middle of the object: 1 up close, then falling with the distance, down
+  /// `pixels` wide, where the object is nearest: 1 up close, then falling with the distance, down
   /// to 1/64. Set HairObject::drawnShare to it, and simulatedShare (with HairDef::levelOfDetail),
   /// so that the simulation falls with it. 1 where the view or the position of the hair is not
-  /// finite.
-  float shareForView(HairId id, const View& view, float pixels = 0.4f) const;
+  /// finite, or `pixels` is 0.
+  float shareForView(HairId id, const View& view, float pixels = kDetailPixels) const;
   /// Predicts the work of drawing this view with an exact method, from the hair's size on the
   /// screen alone: within a factor of two or so. For chooseTransparency(). Zero where draw() would
   /// draw nothing or refuse the view.

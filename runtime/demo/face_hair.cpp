@@ -1,6 +1,8 @@
 // Brows and lashes of the implicit head.
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "base/guard.h"
 #include "base/portable_math.h"
@@ -18,6 +20,7 @@ using detail::Vector;
 constexpr uint32_t kBrowHairs = 190;  // of a side
 constexpr uint32_t kLashes = 48;      // of a side
 constexpr uint32_t kVertices = 7;
+constexpr uint32_t kOrderStride = 295;  // near the golden section of all hairs, and coprime to them
 
 // The point of the face that is seen from the front at x and y.
 Vector onFace(double x, double y) {
@@ -91,6 +94,11 @@ Result<HairAsset> generateFaceHair(uint64_t seed) {
       for (uint32_t i = 0; i < kLashes; ++i)
         addLash(hair, random, mirror, (i + random.uniformDouble()) / kLashes);
     }
+    // So that the first strands alone stand on both sides.
+    const std::vector<Float4> inOrder = hair.positions;
+    for (uint32_t s = 0; s < hair.strandCount; ++s)
+      std::copy_n(&inOrder[size_t{s * kOrderStride % hair.strandCount} * kVertices], kVertices,
+                  &hair.positions[size_t{s} * kVertices]);
     return hair;
   });
 }

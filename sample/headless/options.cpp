@@ -344,6 +344,11 @@ void addDrawingOptions(CLI::App& app, Options& options, Given& given) {
                  "render N times larger and average in linear light, 1..4")
       ->check(CLI::Range(1u, 4u).description(""))
       ->type_name("N");
+  app.add_option("--detail", options.detailPixels,
+                 "draw fewer, wider fibers where they are narrower than this [pixels]; 0 draws all "
+                 "(0.25)")
+      ->check(CLI::Range(0.0f, 4.0f).description(""))
+      ->type_name("X");
   app.add_flag("--draw-sdf", options.drawSdf,
                "draw the surfaces of the signed distance fields that hair collides with");
   app.add_flag(

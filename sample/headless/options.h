@@ -64,6 +64,7 @@ struct Options {
   pelage::HairShadow shadow = pelage::HairShadow::kDeep;
   CameraPlace camera;
   std::optional<std::array<uint8_t, 3>> background;  ///< sRGB; a gradient when not given
+  float detailPixels = pelage::kDetailPixels;        ///< 0: all strands are drawn
   bool images = true;
   bool drawSdf = false, drawContacts = false;
   std::filesystem::path out = "out";

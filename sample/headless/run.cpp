@@ -73,7 +73,7 @@ Result<std::unique_ptr<HeadlessDevice>> makeDevice(const Options& options) {
 class FrameLoop {
  public:
   FrameLoop(const Options& options, DemoScene& demo, HeadlessDevice& device)
-      : demo_(demo), device_(device) {
+      : demo_(demo), device_(device), detailPixels_(options.detailPixels) {
     const uint32_t width = options.width * *options.supersample;
     const uint32_t height = options.height * *options.supersample;
     const Camera camera = demo.camera(
@@ -136,6 +136,7 @@ class FrameLoop {
     file.apply(scene);
     settings_ = scene.transparency;
     view_.seed = scene.view.seed;
+    mostShare_ = scene.object.drawnShare;
   }
 
   Result<void> prepare(bool draw) {
@@ -143,6 +144,7 @@ class FrameLoop {
     if (Result<void> done = demo_.advance(lists_[0]); !done) return done;
     if (draw) {
       if (Result<void> done = demo_.castOpaqueShadow(device_); !done) return done;
+      demo_.setDetail(view_, detailPixels_, mostShare_);
       if (Result<void> done = demo_.draw(view_, settings_, lists_); !done) return done;
     }
     for (pelage::PassList& list : lists_) demo_.finish(list);
@@ -167,6 +169,8 @@ class FrameLoop {
 
   DemoScene& demo_;
   HeadlessDevice& device_;
+  const float detailPixels_;
+  float mostShare_ = 1;  ///< HairObject::drawnShare near by
   pelage::View view_;
   pelage::RenderTargetDef target_;
   pelage::TransparencySettings settings_;

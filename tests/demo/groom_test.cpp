@@ -264,6 +264,8 @@ TEST(FaceHair, StandsOnBothBrowsAndLidsAndOutsideTheHead) {
     ASSERT_LT(length, 0.0095);
     ++(v[0].y > 0.225f ? brows : lashes);
     if (v[0].x > 0) ++left;
+    // Fewer of them are on both sides, too.
+    EXPECT_NEAR(left, 0.5 * (s + 1), 4);
   }
   EXPECT_GT(brows, 300);
   EXPECT_GT(lashes, 80);

@@ -132,6 +132,20 @@ TEST_P(Programs, HeadlessDrawsAHeadAndItsField) {
   expectPicture("out/frame_0006.png", 0.1, 0.95);
 }
 
+TEST_F(ProgramsOnce, HeadlessDrawsFewerFibersWhereTheyAreThinButTheSamePicture) {
+  const auto pictureWith = [&](const std::string& arguments) {
+    const ProgramOutput output = headless("--scene head --guides 400 --follow 12 " + arguments);
+    EXPECT_EQ(output.code, 0) << output.errors;
+    return required(sample::readPng(file("out/frame_0006.png").string()));
+  };
+  const auto all = pictureWith("--detail 0"), fewer = pictureWith("");
+  EXPECT_NE(all->rgb, fewer->rgb);
+  double sum = 0;
+  for (size_t i = 0; i < all->rgb.size(); ++i)
+    sum += std::pow(static_cast<double>(all->rgb[i]) - static_cast<double>(fewer->rgb[i]), 2);
+  EXPECT_GT(10 * std::log10(255.0 * 255.0 * static_cast<double>(all->rgb.size()) / sum), 38);
+}
+
 TEST_F(ProgramsOnce, HeadlessDrawsAHeadByEachSolver) {
   for (const char* solver : {"exact", "classic"}) {
     expectHair(headless(std::string("--scene head --guides 100 --follow 3 --solver ") + solver),

@@ -302,6 +302,9 @@ TEST_F(SceneDraw, TheShareForAViewFallsWithTheDistance) {
     before = share;
   }
   EXPECT_EQ(before, 1.0f / 64);
+  const View view = viewFrom(2.5f);
+  EXPECT_NEAR(scene_.shareForView(id_, view, 0.1f), 2 * scene_.shareForView(id_, view, 0.2f), 1e-4);
+  EXPECT_EQ(scene_.shareForView(id_, view, 0), 1.0f);
   // Around the eye.
   EXPECT_EQ(scene_.shareForView(id_, viewFrom(0.0f)), 1.0f);
   View broken = viewFrom(1);

@@ -83,6 +83,23 @@ TEST_F(StageSettings, AreWhatWasGiven) {
   EXPECT_GT(moved, 60u);
 }
 
+TEST_F(StageSettings, OfDetailFollowTheSizeInThePicture) {
+  const auto shareAt = [&](uint32_t height) {
+    EXPECT_EQ(required(stage_.makeFrame(0, height, height))->viewCount(), 1u);
+    return stage_.scene().hair(stage_.hairs()[0]).drawnShare;
+  };
+  EXPECT_EQ(shareAt(1000), 1.0f);
+  const float small = shareAt(100);
+  EXPECT_LT(small, 0.9f);
+  EXPECT_NEAR(shareAt(50), small / 2, 1e-3);
+  stage_.look.strandShare = 0.1f;
+  EXPECT_EQ(shareAt(100), 0.1f);
+  // The settings are those near by.
+  EXPECT_EQ(settingsOf(stage_, 0).object.drawnShare, 0.1f);
+  stage_.look = {.detailPixels = 0};
+  EXPECT_EQ(shareAt(50), 1.0f);
+}
+
 TEST_F(StageSettings, HaveTheEnvironmentThatIsChosen) {
   const pelage::Float3 own = settingsOf(stage_, 0).lights[0].environment.l1m1;
   EXPECT_STREQ(viewer::environmentName(stage_), viewer::kOwnEnvironment);

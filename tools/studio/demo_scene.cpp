@@ -431,6 +431,11 @@ Result<void> DemoScene::castOpaqueShadow(size_t index, pelage::Light& from,
   return {};
 }
 
+void DemoScene::setDetail(const pelage::View& view, float pixels, float most) {
+  for (const pelage::HairId hair : drawnHairs())
+    scene_->hair(hair).drawnShare = std::min(scene_->shareForView(hair, view, pixels), most);
+}
+
 // Before the meshes are drawn: the draws of hair find the map done.
 Result<void> DemoScene::castHairShadow(pelage::PassList& list) {
   hairShadowsMeshes_ = false;

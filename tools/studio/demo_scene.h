@@ -116,6 +116,9 @@ class DemoScene {
   pelage::Result<void> castOpaqueShadow(pelage::HeadlessDevice& device);
   /// Sets the shadow that hair casts, of the light and those of moreLights that have one.
   void setShadow(pelage::HairShadow shadow);
+  /// Level of detail: sets HairObject::drawnShare of all hair to the share that is enough for a
+  /// view (Scene::shareForView()), but at most to `most`. Before what draws or casts shadows.
+  void setDetail(const pelage::View& view, float pixels, float most);
   /// Adds the draws of mesh and hair, without sorting.
   pelage::Result<void> draw(const pelage::View& view, pelage::PassList& list);
   /// Adds them to lists that run one after another. lists[0] keeps what it has.

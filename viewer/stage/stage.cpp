@@ -246,11 +246,9 @@ void Stage::applyLook(uint32_t width, uint32_t height) {
   if (!resized && applied_->look == look) return;
   for (StageSide& side : std::span(sides_).first(sides())) {
     if (!applied_ || applied_->look.motion != look.motion) side.demo->setMotion(look.motion);
-    for (const pelage::HairId hair : side.demo->hairs()) {
+    for (const pelage::HairId hair : side.demo->hairs())
       if (applied_ && !(applied_->look.wind == look.wind))
         scene_.hair(hair).settings.wind.velocity = look.wind;
-      scene_.hair(hair).drawnShare = look.strandShare;
-    }
     side.demo->setShadow(look.shadow);
   }
   if (resized || applied_->look.transparency != look.transparency) {
@@ -299,6 +297,7 @@ Result<void> Stage::drawSide(uint32_t index, const pelage::CapsuleCollider* ball
   const Inspected what = {
       &scene_, &demo, clock.time, {ballShape, ballShape != nullptr ? size_t{1} : size_t{0}}};
   const std::vector<bool> visible = showHair(side, drawsHair(inspection.value), shown, scene_);
+  demo.setDetail(view, look.detailPixels, look.strandShare);
   pelage::PassList before;
   Result<void> done = drawsMeshes(inspection.value) ? demo.drawOpaque(view, before)
                       : inspection.value == InspectedValue::kSdfSurface

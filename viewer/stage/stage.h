@@ -52,6 +52,8 @@ struct StageLook {
   pelage::CharacterMotion motion = pelage::CharacterMotion::kAll;
   pelage::Float3 wind = {};  ///< [m/s]
   float strandShare = 1;     ///< share of strands that are drawn, 0.02..1; fewer ones are wider
+  /// Fewer of them where fibers are narrower in the view [pixels], 0..4: Scene::shareForView().
+  float detailPixels = pelage::kDetailPixels;
   bool showsContacts = false;
   bool showsGround = false;
   bool operator==(const StageLook&) const = default;

@@ -73,7 +73,8 @@ struct Groom {
 PELAGE_DEMO_API Result<Groom> generateGroom(const GroomDef& def = {});
 
 /// Makes brows and upper lashes of the same head, in bind pose: hair that moves with the bone
-/// "head" as a whole (HairObject::simulated = false). process() has not been called.
+/// "head" as a whole (HairObject::simulated = false). The first strands alone cover all of them.
+/// process() has not been called.
 PELAGE_DEMO_API Result<HairAsset> generateFaceHair(uint64_t seed = 1);
 
 /// Makes the bald head. `cellSize` is that of GroomDef::headCellSize.

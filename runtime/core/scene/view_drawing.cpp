@@ -310,7 +310,7 @@ float Scene::shareForView(HairId id, const View& view, float pixels) const {
   const double pixelsAMetre = 0.5 * view.height * clip.row(1).head<3>().norm() / w;
   const double width = 2 * double{object.material.fiberRadius} * pixelsAMetre;
   const double share = width / double{pixels};
-  // Behind or around the eye, and what is not a number, keep all strands.
+  // Behind or around the eye, and what is not a number, keep all strands; so does a width of 0.
   if (!(w > 0) || !(share >= 0)) return 1;
   return static_cast<float>(std::clamp(share, kLeast, 1.0));
 }
