@@ -34,7 +34,8 @@ groupshared uint s_nearest[128];  // depth keys
 groupshared uint s_slices[128];   // of this segment and those before it
 groupshared uint s_pixels[128];   // of a slice, times 2, plus 1 if slices are columns
 
-void addFragment(StrandSegment segment, uint record, uint side, uint2 pixel) {
+// \param opacities of the ends; of no matter without FILL.
+void addFragment(StrandSegment segment, float2 opacities, uint record, uint side, uint2 pixel) {
   bool reversed = g_binReversedDepth != 0u;
   // Nothing is visible from this depth key on, as in a cleared target.
   uint behind = depthKey(reversed ? 0.0 : 1.0, reversed);
@@ -45,29 +46,33 @@ void addFragment(StrandSegment segment, uint record, uint side, uint2 pixel) {
     uint tile = (pixel.y >> kTileShift) * g_binTileColumns + (pixel.x >> kTileShift);
     uint word = 64u * tile + ((pixel.y & 7u) << kTileShift) + (pixel.x & 7u);
 #if FILL
-    uint slot = g_binCapacity;
     if (g_binTiles[g_binTileCount + tile] - g_binRoundBegin < g_binRoundSpan) {
+      // Nothing but the write waits for the sum.
       uint end;
       InterlockedAdd(g_binPixels[word], 1u, end);
-      slot = end - g_binRoundBegin;
-    }
-    if (slot < g_binCapacity) {
       SegmentPoint found = pointAt(segment, side, float2(pixel) + 0.5, reversed);
-      float2 first = unpackHalves(g_binRecords[kRecordWords * record + 2u].z);
-      float2 second = unpackHalves(g_binRecords[kRecordWords * record + kRecordWords + 2u].z);
-      float opacity = first.y + (second.y - first.y) * found.share;
+      float opacity = opacities.x + (opacities.y - opacities.x) * found.share;
       TileFragment fragment;
       fragment.key = found.key;
       fragment.root = 0u;
       if (found.coverage > 0.0 && found.key < behind)
         fragment.root = roundedRoot(saturate(opacity * found.coverage), kTileRoots);
       fragment.segment = 2u * record + side;
-      g_binFragments[slot] = packTileFragment(fragment, g_binSegmentBits);
+      uint2 packed = packTileFragment(fragment, g_binSegmentBits);
+      uint slot = end - g_binRoundBegin;
+      if (slot < g_binCapacity) g_binFragments[slot] = packed;
     }
 #else
     InterlockedAdd(g_binPixels[word], 1u);
 #endif
   }
+}
+
+// Returns the opacities of the ends of a segment.
+float2 opacitiesOf(uint record) {
+  float2 first = unpackHalves(g_binRecords[kRecordWords * record + 2u].z);
+  float2 second = unpackHalves(g_binRecords[kRecordWords * record + kRecordWords + 2u].z);
+  return float2(first.y, second.y);
 }
 
 // Twice the areas of the edges 12, 20, 01 and 21, 13, 32 with a pixel, whose signs say on which side
@@ -119,6 +124,17 @@ int2 clipSlice(int2 slice, int area, int step) {
   return step == 0 ? whole : cut;
 }
 
+// Pixels of a slice in a triangle: those from x to y.
+int2 sliceOf(SideEdges edges, bool columns, int along, int pixels) {
+  int3 areas = edges.first + (columns ? edges.column : edges.row) * along;
+  int3 steps = columns ? edges.row : edges.column;
+  int2 slice = int2(0, pixels - 1);
+  slice = clipSlice(slice, areas.x, steps.x);
+  slice = clipSlice(slice, areas.y, steps.y);
+  slice = clipSlice(slice, areas.z, steps.z);
+  return slice;
+}
+
 void rasterSlice(uint record, uint own, int along) {
   int2 low = s_low[own].xy;
   int2 one = s_low[own].zw;
@@ -129,23 +145,22 @@ void rasterSlice(uint record, uint own, int along) {
   uint4 shape0 = g_binRecords[kRecordWords * record + 1u];
   uint4 shape1 = g_binRecords[kRecordWords * record + kRecordWords + 1u];
   StrandSegment segment = segmentAt(record, shape0, shape1, g_binReversedDepth != 0u);
+  float2 opacities = opacitiesOf(record);
 #else
   StrandSegment segment = (StrandSegment)0;
   segment.keys.x = s_nearest[own];
+  float2 opacities = float2(0.0, 0.0);
 #endif
-  for (uint side = 0u; side < 2u; ++side) {
-    SideEdges edges =
-        edgesOf(side == 0u ? one : two, side == 0u ? two : one, side == 0u ? low : high);
-    int3 areas = edges.first + (columns ? edges.column : edges.row) * along;
-    int3 steps = columns ? edges.row : edges.column;
-    int2 slice = int2(0, int(s_pixels[own] >> 1) - 1);
-    slice = clipSlice(slice, areas.x, steps.x);
-    slice = clipSlice(slice, areas.y, steps.y);
-    slice = clipSlice(slice, areas.z, steps.z);
-    for (int i = slice.x; i <= slice.y; ++i) {
-      uint2 moved = uint2(columns ? int2(along, i) : int2(i, along));
-      addFragment(segment, record, side, s_first[own] + moved);
-    }
+  int2 slice0 = sliceOf(edgesOf(one, two, low), columns, along, int(s_pixels[own] >> 1));
+  int2 slice1 = sliceOf(edgesOf(two, one, high), columns, along, int(s_pixels[own] >> 1));
+  // One loop, so that threads with few pixels of a triangle do not wait for others twice.
+  int count0 = max(slice0.y - slice0.x + 1, 0);
+  int count = count0 + max(slice1.y - slice1.x + 1, 0);
+  for (int i = 0; i < count; ++i) {
+    uint side = i < count0 ? 0u : 1u;
+    int at = i < count0 ? slice0.x + i : slice1.x + i - count0;
+    uint2 moved = uint2(columns ? int2(along, at) : int2(at, along));
+    addFragment(segment, opacities, record, side, s_first[own] + moved);
   }
 }
 
@@ -154,6 +169,7 @@ void rasterLarge(uint record, uint lane) {
   uint4 shape0 = g_binRecords[kRecordWords * record + 1u];
   uint4 shape1 = g_binRecords[kRecordWords * record + kRecordWords + 1u];
   StrandSegment segment = segmentAt(record, shape0, shape1, g_binReversedDepth != 0u);
+  float2 opacities = opacitiesOf(record);
   SegmentHull hull = hullOf(record, shape0, shape1);
   int2 tileRows = tilesBetween(hull.rows.x, hull.rows.y, g_binHeight);
   for (int row = tileRows.x; row <= tileRows.y; ++row) {
@@ -165,7 +181,7 @@ void rasterLarge(uint record, uint lane) {
       if (pixel.x >= g_binWidth || pixel.y >= g_binHeight) continue;
       SegmentView seen = viewSegment(segment.low, segment.high, segment.w, float2(pixel) + 0.5);
       for (uint side = 0u; side < 2u; ++side) {
-        if (isCovered(seen, side, segment.w)) addFragment(segment, record, side, pixel);
+        if (isCovered(seen, side, segment.w)) addFragment(segment, opacities, record, side, pixel);
       }
     }
   }
