@@ -40,6 +40,7 @@ class Inspection : public testing::TestWithParam<pelage::Api> {
     stage_.look.shadow = pelage::HairShadow::kNone;
     stage_.look.transparency = pelage::Transparency::kAlphaTest;
     stage_.look.strandShare = 0.02f;
+    stage_.look.detailPixels = 0;
     stage_.clock.fixed = true;
     required(
         stage_.show({.kind = viewer::StageKind::kHead, .preset = sample::GroomPreset::kMohawk}));
