@@ -6,7 +6,7 @@
 # sources          every source compiled by itself, without the unity build; the libraries as shared ones, and
 #                  programs of others against them
 # sanitizers       host code under the address and undefined-behavior sanitizers, with leaks: label unit
-# sanitizers_gpu   runtimes, kernels' host code and pictures under them, on software drivers
+# sanitizers_gpu   runtimes, kernels' host code and pictures under them, on software drivers; the generator
 # fuzz             the fuzzers of loaders, 20,000 inputs each
 # analysis         clang-tidy
 # stress           long runs, soak, random parameters, determinism; PELAGE_STRESS=full makes it hours
@@ -106,6 +106,7 @@ case "$1" in
     build_sanitized all -DPELAGE_UNIT_TESTS_ONLY=OFF
     ASAN_OPTIONS=detect_leaks=0 ctest --preset asan -L gpu -LE "unit|slow|gles|golden|oracle" \
       --parallel "$jobs"
+    ASAN_OPTIONS=detect_leaks=1 ctest --preset asan -L codegen --parallel "$jobs"
     ;;
   fuzz)
     install_more clang
