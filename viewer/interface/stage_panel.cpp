@@ -253,7 +253,7 @@ void buildLook(Stage& stage, const Canvas& canvas) {
   choose("Shadow", kShadows, stage.look.shadow);
   float percent = 100 * stage.look.strandShare;
   if (slider("Strands", percent, 2, 100, "%.0f %%")) stage.look.strandShare = percent / 100;
-  slider("Thinnest fibers", stage.look.detailPixels, 0, 1, "%.2f pixels");
+  slider("Detail", stage.look.detailPixels, 0, 1, "%.2f pixels");
   rowName("Sky");
   if (ImGui::BeginCombo("##environment", environmentName(stage))) {
     if (ImGui::Selectable(kOwnEnvironment)) setEnvironment(stage.ownEnvironment(), stage);
