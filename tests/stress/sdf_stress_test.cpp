@@ -222,10 +222,11 @@ TEST_P(SdfPoints, PlaceAndScaleInTheWorldDoNotMatter) {
           posed(points[i].mesh,
                 boneAt(plus(points[i].at, {0, scale * displacement.y, scale * displacement.z})));
       const double cell = static_cast<double>(scale * kCell);
-      // Half a millimetre is what floats 10 km away are rounded by.
-      const double rounding = i == 10 ? 0.06 : 0;
+      // Half a millimetre is what floats 10 km away are rounded by. In a world of a thousandth of
+      // the size drag is so strong that contacts get no second round (decision 5).
+      const double more = i == 10 ? 0.06 : i == 11 ? 0.08 : 0;
       const double deep = depth(points[i], mesh) / cell;
-      EXPECT_LT(deep, 0.02 + rounding) << points[i].name << ", frame " << frame;
+      EXPECT_LT(deep, 0.02 + more) << points[i].name << ", frame " << frame;
       if (i != 10) keepLargest(deepest, deep);
     }
     if (HasFatalFailure()) return;
