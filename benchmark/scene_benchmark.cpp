@@ -158,7 +158,7 @@ class ApiRun {
       result->added = {all.median - without.median, all.mean - without.mean};
       result->hasAdded = alone->figures.isTimed();
       if (row.extra == bench::DrawingExtra::kLevelOfDetail)
-        result->psnr = bench::psnrOf(result->picture, alone->picture);
+        result->psnr = sample::psnrOf(result->picture, alone->picture);
     }
     drawings_.push_back(*std::move(result));
     if (!options_.csv.empty()) {

@@ -148,8 +148,8 @@ TEST(CheckDrawing, WantsThePictureOfTheRowAloneBesideDepthAndAnotherOneInOtherLi
 
 TEST(PictureError, IsThePsnrOfBytes) {
   const sample::ByteImage black = {1, 2, {0, 0, 0, 0, 0, 0}}, one = {1, 2, {3, 0, 0, 0, 0, 0}};
-  EXPECT_NEAR(psnrOf(black, one), 20 * std::log10(255 / std::sqrt(9.0 / 6)), 1e-9);
-  EXPECT_EQ(psnrOf(one, one), std::numeric_limits<double>::infinity());
+  EXPECT_NEAR(sample::psnrOf(black, one), 20 * std::log10(255 / std::sqrt(9.0 / 6)), 1e-9);
+  EXPECT_EQ(sample::psnrOf(one, one), std::numeric_limits<double>::infinity());
 }
 
 struct DriftingRow {

@@ -104,15 +104,6 @@ Result<DrawingResult> measureDrawing(Workbench& workbench, CopyReference& refere
   });
 }
 
-double psnrOf(const sample::ByteImage& a, const sample::ByteImage& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.rgb.size(); ++i) {
-    const double difference = static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i]);
-    sum += difference * difference;
-  }
-  return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.rgb.size()) / sum);
-}
-
 Result<void> checkDrawing(const DrawingResult& result) {
   const auto fault = [&](const std::string& what) -> Result<void> {
     return Error{ErrorCode::kDevice, result.row.name() + ": " + what};

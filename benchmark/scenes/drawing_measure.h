@@ -46,9 +46,6 @@ pelage::Result<DrawingResult> measureDrawing(Workbench& workbench, CopyReference
                                              const engine_lights::LightRig& rig,
                                              const DrawingDef& drawing, const MeasureDef& def);
 
-/// Returns the PSNR of two pictures of one size [dB], of 255; infinite where they are the same.
-double psnrOf(const sample::ByteImage& a, const sample::ByteImage& b);
-
 /// Checks a row of a smoke test; the error names what is missing.
 pelage::Result<void> checkDrawing(const DrawingResult& result);
 /// Compares rows of a smoke test: depth and motion must leave the picture alone, lights of an

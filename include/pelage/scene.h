@@ -27,8 +27,8 @@ struct SceneParts;
 struct SnapshotData;
 }  // namespace detail
 
-/// Width of a fiber below which Scene::shareForView() leaves some out [pixels]. The picture is
-/// within 40 dB of that of all strands (docs/oit.md).
+/// Width of a fiber below which Scene::shareForView() leaves some out [pixels]. Against the picture
+/// of all strands PSNR is 40 dB or more (docs/oit.md).
 inline constexpr float kDetailPixels = 0.25f;
 
 /// Reads a buffer of Scene::resources() back from the device, behind all that has run.

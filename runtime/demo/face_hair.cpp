@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "base/guard.h"
@@ -20,7 +21,6 @@ using detail::Vector;
 constexpr uint32_t kBrowHairs = 190;  // of a side
 constexpr uint32_t kLashes = 48;      // of a side
 constexpr uint32_t kVertices = 7;
-constexpr uint32_t kOrderStride = 295;  // near the golden section of all hairs, and coprime to them
 
 // The point of the face that is seen from the front at x and y.
 Vector onFace(double x, double y) {
@@ -95,10 +95,12 @@ Result<HairAsset> generateFaceHair(uint64_t seed) {
         addLash(hair, random, mirror, (i + random.uniformDouble()) / kLashes);
     }
     // So that the first strands alone stand on both sides.
+    std::vector<uint32_t> all(hair.strandCount);
+    std::iota(all.begin(), all.end(), 0u);
     const std::vector<Float4> inOrder = hair.positions;
-    for (uint32_t s = 0; s < hair.strandCount; ++s)
-      std::copy_n(&inOrder[size_t{s * kOrderStride % hair.strandCount} * kVertices], kVertices,
-                  &hair.positions[size_t{s} * kVertices]);
+    auto to = hair.positions.begin();
+    for (const uint32_t s : spreadOrder(all, hair.strandCount))
+      to = std::copy_n(&inOrder[size_t{s} * kVertices], kVertices, to);
     return hair;
   });
 }

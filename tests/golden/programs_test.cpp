@@ -140,10 +140,7 @@ TEST_F(ProgramsOnce, HeadlessDrawsFewerFibersWhereTheyAreThinButTheSamePicture) 
   };
   const auto all = pictureWith("--detail 0"), fewer = pictureWith("");
   EXPECT_NE(all->rgb, fewer->rgb);
-  double sum = 0;
-  for (size_t i = 0; i < all->rgb.size(); ++i)
-    sum += std::pow(static_cast<double>(all->rgb[i]) - static_cast<double>(fewer->rgb[i]), 2);
-  EXPECT_GT(10 * std::log10(255.0 * 255.0 * static_cast<double>(all->rgb.size()) / sum), 38);
+  EXPECT_GT(sample::psnrOf(*all, *fewer), 38);
 }
 
 TEST_F(ProgramsOnce, HeadlessDrawsAHeadByEachSolver) {

@@ -126,6 +126,16 @@ float toneMap(float linear) {
   return kShoulder + room * (1 - std::exp(-(linear - kShoulder) / room));
 }
 
+double psnrOf(const ByteImage& a, const ByteImage& b) {
+  PELAGE_ASSERT(a.rgb.size() == b.rgb.size(), "psnrOf() needs pictures of one size");
+  double sum = 0;
+  for (size_t i = 0; i < a.rgb.size(); ++i) {
+    const double difference = static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i]);
+    sum += difference * difference;
+  }
+  return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.rgb.size()) / sum);
+}
+
 ByteImage encodeSrgb(const RenderedImage& image) {
   ByteImage out;
   out.width = image.width;

@@ -54,6 +54,10 @@ float toneMap(float linear);
 /// Tone-maps and encodes with the sRGB transfer curve (IEC 61966-2-1), rounded to nearest.
 ByteImage encodeSrgb(const pelage::RenderedImage& image);
 
+/// Returns the PSNR of two pictures [dB], of 255; infinite where they are the same. Asserts that
+/// the sizes are equal.
+double psnrOf(const ByteImage& a, const ByteImage& b);
+
 /// The pictures of a run side by side, scaled down so that the sheet stays under about 2000 pixels.
 class ContactSheet {
  public:
